@@ -35,8 +35,8 @@ def processor_seconds(name: str, backend: str, folder: str) -> float:
 def main() -> None:
     """Measure, print, and write the results."""
     given = options(__doc__, "backends", repetitions=(15, 3))
-    found = compiler.find()
-    if found is None:
+    result = compiler.find()
+    if result is None:
         sys.exit("there is no C compiler to compare with")
     lines = []
     for name in examples.names():
@@ -44,7 +44,7 @@ def main() -> None:
         scenario = Scenario.load(examples.path(name))
         system = wasm.system_module(scenario.system)
         by = {
-            "c": partial(native.solve, cache.library(source(scenario.system), found, native.check)[0], scenario),
+            "c": partial(native.solve, cache.library(source(scenario.system), result, native.check)[0], scenario),
             "wasm": partial(wasm.solve, wasm.compiled(system.module)[0], system, scenario),
         }
         results = {backend: solve() for backend, solve in by.items()}

@@ -52,9 +52,9 @@ TERMS = ("gravity_sin", "gravity_cos", "area", "stiffness", "sigma_2_by_directio
 
 def presliding(law: str, seed: int) -> Found:
     """A rig that makes small reversals and strokes of several speeds."""
-    made = records.presliding(law, seed)
-    fit = simulated(made.log, law, FitOptions(mass=0.0, constants=records.RIG_LAWS[law], starts=4, seed=seed)).judged()
-    return {**fit.estimates, **fit.body}, {**made.law.values, "offset": 0.0}
+    built = records.presliding(law, seed)
+    fit = simulated(built.log, law, FitOptions(mass=0.0, constants=records.RIG_LAWS[law], starts=4, seed=seed)).judged()
+    return {**fit.estimates, **fit.body}, {**built.law.values, "offset": 0.0}
 
 
 def body(how: records.Sensing, seed: int) -> Found:
@@ -141,14 +141,14 @@ def holds(ends: tuple[float, float], truth: float) -> bool:
 def counted(found: list[dict[str, Any]]) -> dict[str, Any]:
     """The counts of a case; those that miss by name, with their seeds."""
     rows = [(x["seed"], row) for x in found for row in x.get("rows", ())]
-    told = [(seed, row) for seed, row in rows if row["identified"]]
-    widths = [row["half"] for _, row in told if row["half"] is not None and np.isfinite(row["half"])]
+    texts = [(seed, row) for seed, row in rows if row["identified"]]
+    widths = [row["half"] for _, row in texts if row["half"] is not None and np.isfinite(row["half"])]
     return {
         "first": found[0]["seed"], "experiments": len(found), "failed": [x["failed"] for x in found if "failed" in x],
-        "numbers": len(rows), "identifiable": len(told), "interval": sum(row["interval"] for _, row in told),
-        "range": sum(row["range"] for _, row in told),
+        "numbers": len(rows), "identifiable": len(texts), "interval": sum(row["interval"] for _, row in texts),
+        "range": sum(row["range"] for _, row in texts),
         "median_half_width": round(float(np.median(widths)), 5) if widths else None,
-        "missed": [f"{row['name']}, {seed}" for seed, row in told if not row["interval"]],
+        "missed": [f"{row['name']}, {seed}" for seed, row in texts if not row["interval"]],
         "median_seconds": round(float(np.median([x["seconds"] for x in found if "seconds" in x] or [0.0])), 1),
     }  # fmt: skip
 
@@ -160,8 +160,8 @@ def main() -> None:
     chosen = [name for name in CASES if name.startswith(given.cases)]
     with ProcessPoolExecutor(given.workers) as pool:
         for name in chosen[:: 12 if given.quick and not given.cases else 1]:
-            found = list(pool.map(partial(experiment, name), range(given.first, given.first + given.count)))
-            kept["cases"][name] = counted(found)
+            result = list(pool.map(partial(experiment, name), range(given.first, given.first + given.count)))
+            kept["cases"][name] = counted(result)
             say(f"{name}: {kept['cases'][name]}")
             write(given.out, {**kept, "machine": given.machine})
     finish(given, {"cases": kept["cases"]})

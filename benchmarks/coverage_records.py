@@ -26,9 +26,9 @@ TWO_OVER_PI = 2 / math.pi
 def moved(rates: Callable[..., Any], t: np.ndarray, states: int) -> np.ndarray:
     """The states at the times, from rest; position, speed and the bristles' force first, where there are bristles."""
     atol = np.full(states, 1e-13)
-    found = solve_ivp(rates, (0.0, t[-1]), np.zeros(states), "LSODA", t, rtol=1e-11, atol=atol, max_step=2e-3)
-    assert found.success, found.message
-    return np.asarray(found.y)
+    solution = solve_ivp(rates, (0.0, t[-1]), np.zeros(states), "LSODA", t, rtol=1e-11, atol=atol, max_step=2e-3)
+    assert solution.success, solution.message
+    return np.asarray(solution.y)
 
 
 def lugre(p: Constants, v: float, w: float, speed: float) -> tuple[float, float]:
@@ -362,8 +362,8 @@ class Case:
 def machine(law: dict[str, Any], bodies: dict[str, Any], end: float, **more: Any) -> dict[str, Any]:
     """A machine whose first body has the joint; ``more`` is what drives and links it."""
     contact = {"from": "arm", "law": law, **more.pop("contact", {})}
-    made = {"schema": 2, "name": "case", "bodies": {n: {**REST, **x} for n, x in bodies.items()}}
-    return {**made, "contacts": {"joint": contact}, **more, "solve": {"t_end": end}, "output": {"step": 0.004}}
+    built = {"schema": 2, "name": "case", "bodies": {n: {**REST, **x} for n, x in bodies.items()}}
+    return {**built, "contacts": {"joint": contact}, **more, "solve": {"t_end": end}, "output": {"step": 0.004}}
 
 
 def pushed(on: str = "arm", **more: Any) -> dict[str, Any]:

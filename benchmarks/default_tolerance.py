@@ -32,9 +32,9 @@ PROMISED = {"y": 1e-6, "v": 1e-6, "F": 1e-4}  # at default settings, README
 def run(data: dict[str, Any], rtol: float) -> tuple[Any, float]:
     """A solution and its processor time, s."""
     scenario = stribeck.Scenario({**data, "solve": {**data["solve"], "rtol": rtol}})
-    found: list[Any] = []
-    times = [timed(lambda: found.append(stribeck.simulate(scenario))).cpu for _ in range(3)]
-    return found[-1], min(times)
+    results: list[Any] = []
+    times = [timed(lambda: results.append(stribeck.simulate(scenario))).cpu for _ in range(3)]
+    return results[-1], min(times)
 
 
 def errors(found: Any, reference: Any) -> dict[str, float]:
@@ -59,10 +59,10 @@ def main() -> None:
             say(f"{k}: {data['law']['name']}, {data['drive']['kind']}: the reference ended: {reference.reason}")
             continue
         for rtol in RTOLS:
-            found, seconds = run(data, rtol)
-            steps = int(found.stats["accepted"] + found.stats["rejected"])
+            outcome, seconds = run(data, rtol)
+            steps = int(outcome.stats["accepted"] + outcome.stats["rejected"])
             row = {"rig": k, "law": data["law"]["name"], "drive": data["drive"]["kind"], "rtol": rtol, "steps": steps}
-            rows.append({**row, "seconds": seconds, **errors(found, reference)})
+            rows.append({**row, "seconds": seconds, **errors(outcome, reference)})
         if k % 20 == 19:
             say(f"{k + 1} of {given.count}")
     result: dict[str, Any] = {"seed": given.seed, "count": given.count, "table": []}

@@ -72,7 +72,7 @@ def axis(random: np.random.Generator, controller: Data, contact: Data | None = N
 
 def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, str]]:
     """Machines, each with a number to vary: what integral, stiction, damping, delay and encoder do."""
-    found = []
+    results = []
     for i in range(count):
         kind = ("integral", "stiction", "damping", "delay", "encoder")[i % 5]
         w, damping = 10 ** random.uniform(0.3, 1.0), random.uniform(0.7, 1.2)
@@ -101,8 +101,8 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
         else:
             own |= {"K_i": 0.2 * routh}
             vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{30 * own['K_d']}"
-        found.append((kind, data, vary))
-    return found
+        results.append((kind, data, vary))
+    return results
 
 
 def changed(data: Data, path: str, value: float) -> Data:
@@ -151,9 +151,9 @@ def against_scipy(data: Data, seconds: float) -> float:
     """The largest difference of the two simulators apart, as a share of the travel."""
     data, sampling = deepcopy(data), data["controllers"]["hold"].get("sampling")
     data["solve"]["t_end"], data["output"]["step"] = seconds, sampling["period"] if sampling else seconds / ROWS
-    y, found = Apart(data).on(seconds)[0], solve(data, 1e-9)["a.y"]
-    count = min(len(y), len(found))
-    return float(np.abs(y[:count] - found[:count]).max() / np.ptp(found))
+    y, result = Apart(data).on(seconds)[0], solve(data, 1e-9)["a.y"]
+    count = min(len(y), len(result))
+    return float(np.abs(y[:count] - result[:count]).max() / np.ptp(result))
 
 
 def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0)) -> tuple[str, float, float]:
@@ -214,19 +214,19 @@ class Asked(NamedTuple):
 
 def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> list[Data]:
     """Rows: the file's own verdict, three starts, both sides of each boundary named, and points of the range."""
-    found = stribeck.design(stribeck.Scenario(data), vary=[vary])
-    line, rest = found.lines[0], data["controllers"]["hold"]["signal"]["value"]
-    asked = [Asked("file", data, found.verdict)]
-    for i in random.choice(len(found.starts), 3, replace=False):
-        begun = found.starts[i]
+    result = stribeck.design(stribeck.Scenario(data), vary=[vary])
+    line, rest = result.lines[0], data["controllers"]["hold"]["signal"]["value"]
+    asked = [Asked("file", data, result.verdict)]
+    for i in random.choice(len(result.starts), 3, replace=False):
+        begun = result.starts[i]
         at = f"start {begun.off:.3g} {begun.speed:.3g}"
         asked.append(Asked(at, data, begun.judgement.verdict, (rest + begun.off, begun.speed)))
     sides = [(b, 1 - AWAY, b.below) for b in line.boundaries] + [(b, 1 + AWAY, b.above) for b in line.boundaries]
-    for b, share, said in sides[: POINTS - len(asked)]:
+    for b, share, text in sides[: POINTS - len(asked)]:
         x = share * b.value
         if line.turned.low <= x <= line.turned.high:
             strict = {b.below, b.above} == {"hunting", "unstable"}
-            asked.append(Asked(f"{b.path} = {x:.6g}", changed(data, b.path, x), said, strict=strict))
+            asked.append(Asked(f"{b.path} = {x:.6g}", changed(data, b.path, x), text, strict=strict))
     clear = [i for i, x in enumerate(line.values) if not any(m.low <= x <= m.high for m in line.mixed)]
     for i in random.permutation(clear)[: POINTS - len(asked)]:
         x, path = float(line.values[i]), line.turned.path
@@ -260,8 +260,8 @@ def reversal(data: Data) -> float:
     T = 1 / data["controllers"]["hold"]["signal"]["frequency"]
     data = deepcopy(data)
     data["solve"]["t_end"], data["output"]["step"] = 4 * T, T / 1000
-    found = solve(data, 1e-9)
-    t, e = np.asarray(found["t"]), np.asarray(found["hold.r"]) - np.asarray(found["a.y"])
+    solution = solve(data, 1e-9)
+    t, e = np.asarray(solution["t"]), np.asarray(solution["hold.r"]) - np.asarray(solution["a.y"])
     near = ((t / T - 0.25) % 0.5 <= 0.125) & (t >= T)
     return float(np.abs(e[near]).max())
 
@@ -278,9 +278,9 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
     if sampled:
         period = 0.02 / w
         own["sampling"] = {"period": period, "delay": 0.5 * period, "resolution": 1e-7}
-    found = stribeck.design(stribeck.Scenario(data), compensate=True)
+    result = stribeck.design(stribeck.Scenario(data), compensate=True)
     rows, before = [], reversal(data)
-    for c in found.compensations:
+    for c in result.compensations:
         table = c.loop.scenario.data["controllers"]["hold"].get("compensation")
         other = deepcopy(data)
         if c.dither is not None:
@@ -289,10 +289,10 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
             other["controllers"]["hold"]["compensation"] = {**deepcopy(table), "share": c.share}
         else:
             continue
-        said = found.compensations[0].reversal_error / c.reversal_error
+        text = result.compensations[0].reversal_error / c.reversal_error
         got = before / reversal(other)
         rows.append(
-            {"kind": c.kind, "share": c.share, "said": said, "found": got, "agrees": bool(abs(got / said - 1) <= 0.2)}
+            {"kind": c.kind, "share": c.share, "said": text, "found": got, "agrees": bool(abs(got / text - 1) <= 0.2)}
         )
         say(json.dumps(rows[-1]))
     return rows

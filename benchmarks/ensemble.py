@@ -78,15 +78,15 @@ class Way:
 
     def errors(self, count: int, y: Array) -> Array:
         """The error of each lane: the largest of y as a part of its range; infinite where it gives up."""
-        run, made = self.solve(self.rtol, ATOL_SHARE * self.rtol, count), []
+        run, built = self.solve(self.rtol, ATOL_SHARE * self.rtol, count), []
         try:
-            self.last = timed(lambda: made.append(run()))
-            found = made[0]
-            if isinstance(found, Ensemble):
-                found = found["y"]
+            self.last = timed(lambda: built.append(run()))
+            result = built[0]
+            if isinstance(result, Ensemble):
+                result = result["y"]
         except ArithmeticError:
             return np.full(count, math.inf)
-        return np.max(np.abs(np.nan_to_num(found, nan=math.inf) - y[:count]), axis=1) / np.max(
+        return np.max(np.abs(np.nan_to_num(result, nan=math.inf) - y[:count]), axis=1) / np.max(
             np.abs(y[:count]), axis=1
         )
 
@@ -163,7 +163,7 @@ def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
     """What can be measured here, and why the rest cannot."""
     share = 10 if quick else 1
     threads = lanes.threads_of_this_machine()
-    found = [
+    results = [
         Way(ONE, f"simulate_ensemble, vectors of {width()}", own(1), LANES // share),
         Way(ALL, f"simulate_ensemble on {threads} threads", own(None), LANES // share, like=ONE),
         Way(SCALAR, "native.solve lane by lane, 1 thread", scalar_loop, 250 // share, like=ONE),
@@ -180,10 +180,10 @@ def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
         try:
             way = Way(name, f"{package} {version(package)}, {what}", lambda *_: np.empty, count, loosest=1e-5)
             way.solve = make(way)
-            found.append(way)
+            results.append(way)
         except (ImportError, OSError) as error:
             missing[name] = f"not installed ({error})"
-    return found, missing
+    return results, missing
 
 
 LIMIT = 1e-7  # of the range of y

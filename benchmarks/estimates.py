@@ -76,15 +76,15 @@ def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
             what, columns, truth, friction = of(seed)
         log = read_log(columns, ColumnNames(NAMES))
         for law in FAMILIES[family]:
-            found, speeds = estimates(log, law)
-            told = {
+            result, speeds = estimates(log, law)
+            reported = {
                 n: x
                 for n, x in truth.items()
-                if n in found and n != "k_v" and (law != "coulomb_viscous" or n in OF_ALL)
+                if n in result and n != "k_v" and (law != "coulomb_viscous" or n in OF_ALL)
             }
             levels = {n: friction(v) for n, v in speeds.items()} if friction else {}
-            for name, x in (told | levels).items():
-                e = found[name]
+            for name, x in (reported | levels).items():
+                e = result[name]
                 low, high = e.range or e.interval
                 yield {
                     "kind": what, "law": law, "name": name, "state": str(e.state), "level": name in speeds,
@@ -156,11 +156,11 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
         }[family]
         kind = kinds[seed % len(kinds)]
         m = rig(draw, kind)
-        made = [record(m, kind, draw) for _ in range(4)]
-        logs = [read_log(c, ColumnNames(NAMES)) for c in made]
+        results = [record(m, kind, draw) for _ in range(4)]
+        logs = [read_log(c, ColumnNames(NAMES)) for c in results]
         rows = [np.flatnonzero(~at_rest(log)) for log in logs]
         seen = []
-        for c, log in zip(made, logs, strict=True):
+        for c, log in zip(results, logs, strict=True):
             (v, a, w), inside = records.measured(c), records.in_motion(c, log)
             seen.append((v[inside], a[inside], c["F"][inside], w[inside]))
     plain = []
@@ -250,10 +250,10 @@ def page(kept: dict[str, Any]) -> str:
         lines.append(
             f"| {name}: {ASKED[name]} | {first} | {c['n']:.0f} | {' | '.join(shares)} | {count} | {' | '.join(levels)} |"
         )
-    told = {n: kept[n] for n in (*FAMILIES, "agree", "same") if n in kept and "complete n" in kept[n]}
-    if told:
-        total = sum(c["complete n"] for c in told.values())
-        held = sum(c["complete n"] * c["complete interval"] for c in told.values())
+    reported = {n: kept[n] for n in (*FAMILIES, "agree", "same") if n in kept and "complete n" in kept[n]}
+    if reported:
+        total = sum(c["complete n"] for c in reported.values())
+        held = sum(c["complete n"] * c["complete interval"] for c in reported.values())
         lines += ["", f"Where the law is complete, {100 * held / total:.1f} % of {total:.0f} intervals hold the truth."]
     lines += [
         "",
@@ -314,16 +314,16 @@ def main() -> None:
     given = options(__doc__, "estimates", families=list(ASKED), first=70000, count=(20, 1), page=False)
     kept = json.loads(given.out.read_text()) if given.out.exists() else {}
     for family in [] if given.page else given.families:
-        found, began = list[dict[str, Any]](), time.process_time()
+        result, began = list[dict[str, Any]](), time.process_time()
         of = truths if family in FAMILIES else agreements if family in ("agree", "same") else motions
         for seed in range(given.first, given.first + given.count):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                found += of(family, seed)
-        counts = counted(family, found) | {"seconds": round(time.process_time() - began, 1)}
+                result += of(family, seed)
+        counts = counted(family, result) | {"seconds": round(time.process_time() - began, 1)}
         by_kind = {}
-        for kind in dict.fromkeys(e["kind"] for e in found if "kind" in e):
-            by_kind[kind] = counted(family, [e for e in found if e["kind"] == kind])
+        for kind in dict.fromkeys(e["kind"] for e in result if "kind" in e):
+            by_kind[kind] = counted(family, [e for e in result if e["kind"] == kind])
         kept[family] = {"first": given.first, "seeds": given.count, **counts, "kinds": by_kind}
         print(family, {k: v for k, v in kept[family].items() if k != "kinds"}, flush=True)
         write(given.out, kept)

@@ -86,23 +86,23 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
 
         def drag(place: int) -> dict[str, float]:
             before = busy(driver)
-            found: dict[str, float] = driver.execute_async_script(_DRAG, place)
-            found["cpu"] = busy(driver) - before
+            result: dict[str, float] = driver.execute_async_script(_DRAG, place)
+            result["cpu"] = busy(driver) - before
             driver.execute_async_script(_SETTLED)
-            return found
+            return result
 
         for warm in (600, 550, 580):
             drag(warm)
-        found = [drag(place) for place in places]
-        if not all(each["drawn"] and each["charts"] for each in found):
+        result = [drag(place) for place in places]
+        if not all(each["drawn"] and each["charts"] for each in result):
             raise SystemExit("the page was not redrawn after a drag")
     finally:
         driver.quit()
     return {
-        "charts": found[0]["charts"],
-        "solved_ms": spread([each["solved"] for each in found]),
-        "drawn_ms": spread([each["drawn"] for each in found]),
-        "main_thread_cpu_ms": spread([each["cpu"] for each in found]),
+        "charts": result[0]["charts"],
+        "solved_ms": spread([each["solved"] for each in result]),
+        "drawn_ms": spread([each["drawn"] for each in result]),
+        "main_thread_cpu_ms": spread([each["cpu"] for each in result]),
     }
 
 

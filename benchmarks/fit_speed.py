@@ -69,8 +69,8 @@ def joint(count: int) -> Callable[[], object]:
         outputs = {"arm.y": Channel("y", t, y + case.noise * draw.standard_normal(len(t)))}
         recordings.append(Recording(f"run{i}", t, outputs, {case.drive: Channel("u", t, u)}, case.known(size)))
     logs = Logs(tuple(recordings), tuple(Sought(n, 0.2 * x, 5 * x) for n, x in truth.items()))
-    made = {**case.machine, "solve": {"t_end": 6.0}}
-    return lambda: fit_machine(made, logs, starts=20, baselines=False)
+    built = {**case.machine, "solve": {"t_end": 6.0}}
+    return lambda: fit_machine(built, logs, starts=20, baselines=False)
 
 
 def saved(path: Path, v: np.ndarray, seed: int) -> str:

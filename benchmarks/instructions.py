@@ -90,9 +90,9 @@ def counted(folder: Path, name: str, text: str, flags: str, single: bool) -> lis
     command = ["arm-none-eabi-gcc", *FLAGS, *flags.split(), *([f"-D{name.upper()}_FLOAT"] if single else [])]
     command += ["-nostartfiles", "--specs=nosys.specs", f"{name}.c", "main.c", "-o", "main", "-lm"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
-    found = traced(folder)
-    assert len(found) == CALLS, (name, len(found))
-    return found
+    result = traced(folder)
+    assert len(result) == CALLS, (name, len(result))
+    return result
 
 
 def traced(folder: Path) -> list[int]:
@@ -100,7 +100,7 @@ def traced(folder: Path) -> list[int]:
     # the code is that of the Cortex; the processor that runs it only has to know all of its instructions
     words = ["qemu-arm", "-cpu", "max", "-singlestep", "-d", "nochain,exec", "-D", "/dev/stderr", "./main"]
     trace = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stderr
-    found: list[int] = []
+    results: list[int] = []
     first = None
     for line in trace.splitlines():
         match = _LINE.match(line)
@@ -109,13 +109,13 @@ def traced(folder: Path) -> list[int]:
         if match[2] == "counted":
             first = first or match[1]
             if match[1] == first:
-                found.append(0)
+                results.append(0)
         if match[2] == "_start":
-            if found:
-                found.append(-1)  # between two calls
-        elif found:
-            found[-1] += 1
-    return [count for count in found if count > 0]
+            if results:
+                results.append(-1)  # between two calls
+        elif results:
+            results[-1] += 1
+    return [count for count in results if count > 0]
 
 
 def forms() -> list[Any]:
@@ -132,7 +132,7 @@ def forms() -> list[Any]:
         "g5": 100.0,
         "g6": 0.01,
     }
-    made = []
+    results = []
     for law in laws.builtin().values():
         given = {n: x for n, x in {**values, **own}.items() if n in law.constants()}
         choices = (
@@ -142,8 +142,8 @@ def forms() -> list[Any]:
             given.pop("delta", None)  # off: the usual curve
         if law.name == "stribeck":
             given.pop("k_v")
-        made += [law({**given, **choice}) for choice in choices]
-    return made
+        results += [law({**given, **choice}) for choice in choices]
+    return results
 
 
 def rows_of(name: str, cases: dict[str, Any], count: Any) -> list[dict[str, Any]]:
@@ -151,8 +151,8 @@ def rows_of(name: str, cases: dict[str, Any], count: Any) -> list[dict[str, Any]
     rows = []
     for case, what in cases.items():
         for target, (flags, single) in TARGETS.items():
-            found = count(what, flags, single)
-            rows.append({name: case, "target": target, "mean": round(sum(found) / len(found)), "most": max(found)})
+            result = count(what, flags, single)
+            rows.append({name: case, "target": target, "mean": round(sum(result) / len(result)), "most": max(result)})
     return rows
 
 

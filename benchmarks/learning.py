@@ -254,14 +254,14 @@ def speeds(makers: dict[str, Any], count: int, rounds: int = 3) -> dict[str, flo
     rigs = {name: make(2e-3, WORLDS) for name, make in makers.items()}
     for rig in rigs.values():
         rig(0.9)
-    found: dict[str, list[float]] = {name: [] for name in rigs}
+    outcome: dict[str, list[float]] = {name: [] for name in rigs}
     for _ in range(rounds):
         for name, rig in rigs.items():
             started = process_time()
             for _ in range(count):
                 rig(0.9)
-            found[name].append(WORLDS * count / (process_time() - started))
-    return {name: float(np.median(x)) for name, x in found.items()}
+            outcome[name].append(WORLDS * count / (process_time() - started))
+    return {name: float(np.median(x)) for name, x in outcome.items()}
 
 
 def speeds_on_a_gpu(makers: dict[str, Any], count: int, worlds: int, rounds: int = 5) -> dict[str, float]:
@@ -276,16 +276,16 @@ def speeds_on_a_gpu(makers: dict[str, Any], count: int, worlds: int, rounds: int
             with wp.ScopedCapture() as capture:  # two steps: Newton's states are then where they were
                 pushes[name][1]()
             pushes[name] = (rig, lambda graph=capture.graph: wp.capture_launch(graph))
-    found: dict[str, list[float]] = {name: [] for name in pushes}
+    outcome: dict[str, list[float]] = {name: [] for name in pushes}
     for _ in range(rounds):
         for name, (rig, push) in pushes.items():
             started = perf_counter()
             for _ in range(count // 2):
                 push()
             position, _ = rig.read()
-            found[name].append(worlds * count / (perf_counter() - started))
+            outcome[name].append(worlds * count / (perf_counter() - started))
             assert np.isfinite(position), name
-    return {name: float(np.median(x)) for name, x in found.items()}
+    return {name: float(np.median(x)) for name, x in outcome.items()}
 
 
 def main() -> None:

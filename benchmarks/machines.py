@@ -32,7 +32,7 @@ def by_pieces(
     torque: tuple[list[float], list[float]], rows: Array, states: int, solve: Callable[[Array, Array, tuple[float, ...]], Array]
 ) -> Array:  # fmt: skip
     """The states at the rows, one run for each piece of the torque; ``solve(times, x, (t0, level, slope))``."""
-    x, found = np.zeros(states), []
+    x, result = np.zeros(states), []
     for (t0, u0), (t1, u1) in pairwise(zip(*torque, strict=True)):
         if t1 == t0:
             continue
@@ -41,8 +41,8 @@ def by_pieces(
         every = solve(times, x, (t0, u0, (u1 - u0) / (t1 - t0)))
         x = every[-1]
         keep = np.array([np.min(np.abs(inner - t)) < 1e-9 if len(inner) else False for t in times])
-        found.append(every[keep][: len(inner)])
-    return np.concatenate(found)
+        result.append(every[keep][: len(inner)])
+    return np.concatenate(result)
 
 
 def casadi_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], Array]:
@@ -61,8 +61,8 @@ def casadi_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], A
 
     def solve(rtol: float) -> Array:
         def piece(times: Array, x0: Array, q: tuple[float, ...]) -> Array:
-            found = integrator(tuple(times.tolist()), rtol)(x0=x0 / scales, p=q)["xf"]
-            return np.vstack([x0, np.asarray(found).T * scales])
+            result = integrator(tuple(times.tolist()), rtol)(x0=x0 / scales, p=q)["xf"]
+            return np.vstack([x0, np.asarray(result).T * scales])
 
         return by_pieces(torque, rows, len(scales), piece)
 
@@ -79,18 +79,18 @@ def numbalsoda_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float
     @numba.cfunc(lsoda_sig)
     def function(t, x, derivative, data):  # type: ignore[no-untyped-def]
         state = (x[0] * own[0], x[1] * own[1], x[2] * own[2], x[3] * own[3], x[4] * own[4], x[5] * own[5])
-        found = equations(t, state, (data[0], data[1], data[2]))
+        result = equations(t, state, (data[0], data[1], data[2]))
         for i in range(6):
-            derivative[i] = found[i] / own[i]
+            derivative[i] = result[i] / own[i]
 
     def solve(rtol: float) -> Array:
         def piece(times: Array, x0: Array, q: tuple[float, ...]) -> Array:
-            found, good = lsoda(
+            result, good = lsoda(
                 function.address, x0 / scales, times, data=np.array(q), rtol=rtol, atol=rtol, mxstep=MOST_STEPS
             )
             if not good:
                 raise ArithmeticError("numbalsoda failed")
-            return np.asarray(found * scales)
+            return np.asarray(result * scales)
 
         return by_pieces(torque, rows, len(scales), piece)
 
@@ -153,10 +153,10 @@ def sparse_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, 
             linsolver="sparse",
             sparsity=(pattern + eye(n)).tocsc(),
         )
-        found = solver.solve(rows, np.zeros(n))
-        if not found.success:
-            raise ArithmeticError(found.message)
-        return np.asarray(found.y[:, : 2 * count])
+        result = solver.solve(rows, np.zeros(n))
+        if not result.success:
+            raise ArithmeticError(result.message)
+        return np.asarray(result.y[:, : 2 * count])
 
     return solve
 
@@ -178,8 +178,8 @@ def casadi_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, 
         return casadi.integrator("rows", "cvodes", ode, rows[0], rows[1:].tolist(), options)
 
     def solve(rtol: float) -> Array:
-        found = np.asarray(integrator(rtol)(x0=np.zeros(3 * count))["xf"]).T * own
-        return np.vstack([np.zeros(3 * count), found])[:, : 2 * count]
+        result = np.asarray(integrator(rtol)(x0=np.zeros(3 * count))["xf"]).T * own
+        return np.vstack([np.zeros(3 * count), result])[:, : 2 * count]
 
     return solve
 
@@ -267,10 +267,10 @@ def measured(
 def two_masses(repetitions: int) -> list[dict[str, Any]]:
     """Each solver at the loosest tolerance of a series that keeps the error."""
     exact, rows = ours(drive(1e-13)), np.arange(round(T_END / STEP) + 1) * STEP
-    made = lru_cache(None)(drive)  # once, as the peers' integrators are
+    built = lru_cache(None)(drive)  # once, as the peers' integrators are
 
     def own(rtol: float) -> np.ndarray:
-        return ours(made(rtol))
+        return ours(built(rtol))
 
     ways: dict[str, Callable[[float], np.ndarray]] = {"stribeck": own}
     for name, make in (("CasADi CVODES", casadi_drive), ("numbalsoda", numbalsoda_drive)):

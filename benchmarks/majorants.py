@@ -34,7 +34,7 @@ def under(name: str) -> dict[str, Scenario]:
 def main() -> None:
     """Print a table and write the results."""
     given = options(__doc__, "majorants", repetitions=(9, 1))
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for name in SCENARIOS:
         scenarios = under(name)
         y = {label: simulate(s.with_changes({"solve.rtol": 1e-11}))["y"] for label, s in scenarios.items()}
@@ -42,14 +42,14 @@ def main() -> None:
         in_turn(runs, 1)
         taken = in_turn(runs, given.repetitions)
         seconds = {label: spread([s.cpu for s in x])["median"] for label, x in taken.items()}
-        found[name] = {
+        result[name] = {
             label: {
                 "cpu_over_lugre": seconds[label] / seconds["lugre"],
                 "deviation_of_peak": float(np.max(np.abs(y[label] - y["lugre"])) / np.max(np.abs(y["lugre"]))),
             }
             for label in scenarios
         }
-    finish(given, {"steepness": STEEPNESS, "repetitions": given.repetitions, "results": found})
+    finish(given, {"steepness": STEEPNESS, "repetitions": given.repetitions, "results": result})
 
 
 if __name__ == "__main__":

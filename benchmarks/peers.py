@@ -137,12 +137,12 @@ def diffrax_rows(problem: Problem, method: str) -> Callable[..., Any]:
     times, rest = jax.numpy.asarray(problem.times), jax.numpy.asarray(problem.rest)
 
     def rows(rtol: Any, atol: Any, k_v: Any, F_s: Any) -> Any:
-        found = diffrax.diffeqsolve(
+        outcome = diffrax.diffeqsolve(
             term, getattr(diffrax, method)(), times[0], times[-1], DIFFRAX_FIRST_STEP, rest, args=(k_v, F_s),
             saveat=diffrax.SaveAt(ts=times), stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
             max_steps=MOST_STEPS, throw=False,
         )  # fmt: skip
-        return found.ys[:, 0], found.result == diffrax.RESULTS.successful
+        return outcome.ys[:, 0], outcome.result == diffrax.RESULTS.successful
 
     return rows
 
@@ -258,13 +258,13 @@ def own_solvers(problem: Problem) -> list[Solver]:
 
 def available(problem: Problem) -> tuple[list[Solver], dict[str, str]]:
     """The solvers that can be measured here, the one of this project first; and why the others cannot."""
-    found, missing = own_solvers(problem), dict[str, str]()
+    outcome, missing = own_solvers(problem), dict[str, str]()
     for name, package, words, make, more in PEERS:
         try:
             started = perf_counter()
             solve = make(problem)
             what = f"{package} {version(package)}, {words}, {PEER_ATOL}"
-            found.append(Solver(name, what, solve, made_in=perf_counter() - started, **more))
+            outcome.append(Solver(name, what, solve, made_in=perf_counter() - started, **more))
         except (ImportError, OSError) as error:
             missing[name] = f"not installed ({error})"
-    return found, missing
+    return outcome, missing

@@ -114,9 +114,9 @@ class Problem:
         @numba.cfunc(lsoda_sig)
         def function(t, x, derivative, data):  # type: ignore[no-untyped-def]
             state = (x[0], x[1], x[2], x[3]) if order == 4 else (x[0], x[1], x[2])
-            found = rates(t, state, data[0], data[1])
+            result = rates(t, state, data[0], data[1])
             for i in range(order):
-                derivative[i] = found[i]
+                derivative[i] = result[i]
 
         return function
 

@@ -109,20 +109,20 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
     (fine, peaks), (coarse, _) = solved
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        found = stribeck.simulate(scenario_of(p))
-    if found.status != "done":
-        return "failed: " + re.sub(r"at t = \S+ s ", "", str(found.reason)), {}
+        solution = stribeck.simulate(scenario_of(p))
+    if solution.status != "done":
+        return "failed: " + re.sub(r"at t = \S+ s ", "", str(solution.reason)), {}
     errors = {}
     for i, (name, most) in enumerate(PROMISED.items()):
         column = 4 if name == "F" else i + 1
         peak = max(float(peaks[column]), 1e-300)
         if np.max(abs(fine - coarse)[:, column]) > 0.1 * most * peak:
             return "reference unsure", {}
-        errors[name] = float(np.max(abs(found[name] - fine[:, column]))) / peak
+        errors[name] = float(np.max(abs(solution[name] - fine[:, column]))) / peak
     if all(errors[name] <= most for name, most in PROMISED.items()):
         return "kept", errors
-    said = any("accuracy not reached" in str(n.message) for n in notes)
-    return ("said" if said else "broken"), errors
+    text = any("accuracy not reached" in str(n.message) for n in notes)
+    return ("said" if text else "broken"), errors
 
 
 def cost(repetitions: int) -> dict[str, float]:

@@ -29,7 +29,7 @@ def files() -> dict[str, dict[str, Any]]:
 
 def ways(data: dict[str, Any]) -> dict[str, Scenario]:
     """The machine under its controller as if it never sampled, and at 4 kHz with each encoder."""
-    found = {}
+    result = {}
     for name, counts in {"continuous": None, **ENCODERS}.items():
         given = deepcopy(data)
         sampling = {"period": PERIOD, "delay": DELAY} | ({} if counts is None else {"resolution": counts})
@@ -37,8 +37,8 @@ def ways(data: dict[str, Any]) -> dict[str, Scenario]:
             controller.pop("sampling", None)
             if name != "continuous":
                 controller["sampling"] = sampling
-        found[name] = Scenario(given)
-    return found
+        result[name] = Scenario(given)
+    return result
 
 
 def servo() -> dict[str, Scenario]:

@@ -56,10 +56,10 @@ def run(name: str, command: list[str], prepare: Prepared) -> Process:
 def stribeck() -> list[str]:
     """The command of the environment that runs this file, else the one on the path."""
     beside = Path(sys.executable).parent / "stribeck"
-    found = str(beside) if beside.is_file() else shutil.which("stribeck")
-    if found is None:
+    result = str(beside) if beside.is_file() else shutil.which("stribeck")
+    if result is None:
         raise SystemExit("there is no command stribeck: install the project first")
-    return [found]
+    return [result]
 
 
 def cases(folder: Path) -> dict[str, Case]:

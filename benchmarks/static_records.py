@@ -81,8 +81,8 @@ def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.nd
     def columns(v: np.ndarray, a: np.ndarray, beside: np.ndarray | None = None) -> np.ndarray:
         return np.column_stack([a, np.sign(v), v, np.ones(len(v)), *([] if beside is None else beside.T)])
 
-    found = np.linalg.lstsq(columns(v, a, beside), force, rcond=None)[0]
-    return lambda v, a, beside=None: columns(v, a, beside) @ found
+    result = np.linalg.lstsq(columns(v, a, beside), force, rcond=None)[0]
+    return lambda v, a, beside=None: columns(v, a, beside) @ result
 
 
 def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray | None = None) -> Any:
@@ -95,10 +95,10 @@ def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.nd
 
     start = [1, 8, 2, 0.1, 0.01, 1, 0, *([] if beside is None else [0] * beside.shape[1])]
     try:
-        found, _ = curve_fit(lambda _, *p: curve((v, a, beside), *p), v, force, start, maxfev=5000)
+        result, _ = curve_fit(lambda _, *p: curve((v, a, beside), *p), v, force, start, maxfev=5000)
     except RuntimeError:
         return None
-    return lambda v, a, beside=None: curve((v, a, beside), *found)
+    return lambda v, a, beside=None: curve((v, a, beside), *result)
 
 
 def away_from_rest(log: Log) -> np.ndarray:
@@ -139,13 +139,13 @@ def lacking(seed: int) -> Made:
         truth = {n: truth[n] for n in ("mass", "sigma_2", "k_v")}
     measured = measured + noise * draw.standard_normal(len(t))
     plain = what in ("nothing", "delay", "weight", "spring")
-    told = {"t": t, "y": measured, "F": force + m["force_noise"] * draw.standard_normal(len(t))}
+    reported = {"t": t, "y": measured, "F": force + m["force_noise"] * draw.standard_normal(len(t))}
 
     def friction(u: float) -> float:
         rise = m["dF"] * np.exp(-((u / m["v_s"]) ** 2))
         return float((m["F_c"] + rise) * np.tanh(u / m["width"]) + m["sigma_2"] * u)
 
-    return what, told, truth, friction if plain else None
+    return what, reported, truth, friction if plain else None
 
 
 def bent(seed: int) -> Made:
@@ -517,8 +517,8 @@ def behind(m: Constants, kind: str, t: np.ndarray, position: Of, speed: Of) -> n
         return [x[1], (pull - m["share"] * float(rig_curve(m, x[1]))) / mass]
 
     begin = [0.0, float(speed(t[0]))]
-    found = solve_ivp(rates, (0, t[-1]), begin, "LSODA", t_eval=t, max_step=5e-3, rtol=1e-6, atol=1e-9).y
-    return np.array([shaft(a, b) for a, b in zip(position(t) - found[0], speed(t) - found[1], strict=True)])
+    solution = solve_ivp(rates, (0, t[-1]), begin, "LSODA", t_eval=t, max_step=5e-3, rtol=1e-6, atol=1e-9).y
+    return np.array([shaft(a, b) for a, b in zip(position(t) - solution[0], speed(t) - solution[1], strict=True)])
 
 
 def yielding(m: Constants, y: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -57,7 +57,7 @@ class Row:
         self.laws += 1
         start = time.process_time()
         try:
-            found = stribeck.check(law)
+            result = stribeck.check(law)
         except Exception as error:
             self.crashes.append(f"{name}: {type(error).__name__}: {error}")
             return
@@ -65,7 +65,7 @@ class Row:
             spent = time.process_time() - start
             self.seconds, self.slowest = self.seconds + spent, max(self.slowest, spent)
         for what in PROPERTIES:
-            verdict = found[what]
+            verdict = result[what]
             self.verdicts += 1
             if verdict.holds is None:
                 self.undecided += 1
@@ -98,8 +98,8 @@ def replayed(law: Any, evidence: Any) -> str | None:
 
         scale = law.scales(law.p)
         tolerance = [1e-12 * scale.length, 1e-9 * abs(evidence["energy_drawn"])]
-        found = solve_ivp(rates, (0, duration), [z, 0.0], method="LSODA", rtol=1e-10, atol=tolerance)
-        z, energy = float(found.y[0, -1]), energy + float(found.y[1, -1])
+        solution = solve_ivp(rates, (0, duration), [z, 0.0], method="LSODA", rtol=1e-10, atol=tolerance)
+        z, energy = float(solution.y[0, -1]), energy + float(solution.y[1, -1])
     stated = evidence["energy_drawn"]
     if energy > 0 or abs(energy + stated) > 0.01 * abs(stated):
         return f"states {stated:.6g} J drawn, SciPy finds {-energy:.6g} J"

@@ -40,9 +40,9 @@ def test_an_export_target_is_one_file(beside, monkeypatch, tmp_path):
     import stribeck
 
     beside(targets, "zz_names", TARGET)
-    found = exports.find_targets()
-    assert set(found) - set(exports.TARGETS) == {"names"}
-    monkeypatch.setattr(exports, "TARGETS", found)
+    result = exports.find_targets()
+    assert set(result) - set(exports.TARGETS) == {"names"}
+    monkeypatch.setattr(exports, "TARGETS", result)
     law = stribeck.law("coulomb_viscous", {"F_c": 1.0, "sigma_2": 0.1})
     (file,) = exports.export(law, "names", tmp_path / "names.txt")
     assert file.read_text().split()[:2] == ["F_c", "sigma_2"]

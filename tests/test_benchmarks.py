@@ -70,11 +70,11 @@ def test_a_benchmark_s_own_imports_exist():
 
 def test_every_script_is_of_a_family_or_imported():
     """What no family runs and no script imports is read by nobody."""
-    found = subprocess.run(
+    process = subprocess.run(
         [sys.executable, FOLDER / "run.py", "--help"], capture_output=True, text=True, check=True, cwd=FOLDER
     ).stdout
     scripts = {path.stem: path.read_text() for path in FOLDER.glob("*.py")}
-    named = set(re.findall(r"\w+", found)) & scripts.keys()
+    named = set(re.findall(r"\w+", process)) & scripts.keys()
     imported = {
         name for name in scripts if any(re.search(rf"^(from|import) {name}\b", x, re.M) for x in scripts.values())
     }
@@ -83,5 +83,5 @@ def test_every_script_is_of_a_family_or_imported():
 
 
 def test_every_result_is_of_a_script():
-    made = " ".join(path.read_text() for path in FOLDER.glob("*.py"))
-    assert [f.stem for f in (FOLDER / "results").glob("*.json") if f'"{f.stem}"' not in made] == []
+    text = " ".join(path.read_text() for path in FOLDER.glob("*.py"))
+    assert [f.stem for f in (FOLDER / "results").glob("*.json") if f'"{f.stem}"' not in text] == []

@@ -93,16 +93,16 @@ def test_functions_are_short():
 
 
 def test_private_names_stay_in_their_module():
-    found = set()
+    result = set()
     for path in FILES:
         for node in nodes(path):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stribeck"):
-                found |= {
+                result |= {
                     f"{relative(path)}: {node.module}.{name.name}"
                     for name in node.names
                     if name.name.startswith("_") and not name.name.startswith("__")
                 }
-    assert found == set(PRIVATE_IMPORTS)
+    assert result == set(PRIVATE_IMPORTS)
 
 
 def test_a_class_has_a_name_of_its_own():
@@ -111,8 +111,8 @@ def test_a_class_has_a_name_of_its_own():
         for node in tree(path).body:
             if isinstance(node, ast.ClassDef):
                 where.setdefault(node.name, []).append(relative(path))
-    found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
-    assert not found, f"two classes of one name: {found}"
+    result = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
+    assert not result, f"two classes of one name: {result}"
 
 
 def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
@@ -127,12 +127,12 @@ def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
     homes: dict[str, list[str]] = {}
     for home, name in sorted(defined & imported):
         homes.setdefault(name, []).append(home)
-    assert not (found := {name: where for name, where in homes.items() if len(where) > 1}), found
+    assert not (result := {name: where for name, where in homes.items() if len(where) > 1}), result
 
 
 def test_an_array_is_declared_once():
-    found = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
-    assert found == ["arrays.py"]
+    results = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
+    assert results == ["arrays.py"]
 
 
 def test_any_stands_where_something_forces_it():
@@ -140,9 +140,9 @@ def test_any_stands_where_something_forces_it():
     for path in FILES:
         room = relative(path).partition("/")[0] if "/" in relative(path) else ""
         count[room] = count.get(room, 0) + sum(isinstance(n, ast.Name) and n.id == "Any" for n in nodes(path))
-    found = {room: n for room, n in count.items() if n}
-    assert not (new := {r: n for r, n in found.items() if n > ANY.get(r, (0, ""))[0]}), f"more than allowed: {new}"
-    assert not (old := set(ANY) - set(found)), f"no longer needed: {old}"
+    result = {room: n for room, n in count.items() if n}
+    assert not (new := {r: n for r, n in result.items() if n > ANY.get(r, (0, ""))[0]}), f"more than allowed: {new}"
+    assert not (old := set(ANY) - set(result)), f"no longer needed: {old}"
 
 
 def test_tests_mirror_the_rooms():

@@ -37,8 +37,8 @@ def test_the_sdist_holds_no_tests(tmp_path):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
     build = "import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])"
     subprocess.run([sys.executable, "-c", build, "."], cwd=tmp_path, check=True, capture_output=True)
-    (made,) = tmp_path.glob("*.tar.gz")
-    with tarfile.open(made) as archive:
+    (built,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(built) as archive:
         names = archive.getnames()
-    assert f"{made.name.removesuffix('.tar.gz')}/src/stribeck/py.typed" in names
+    assert f"{built.name.removesuffix('.tar.gz')}/src/stribeck/py.typed" in names
     assert not [name for name in names if "tests" in name.split("/")]

@@ -35,8 +35,8 @@ def sentences(text):
             lines.append(re.sub(r"^([-*+]|\d+\.)\s+", " . ", bare))
     text = re.sub(r"`[^`]*`|\$[^$]*\$|!?\[([^\]]*)\]\([^)]*\)|https?://\S+", lambda m: m[1] or "X", " ".join(lines))
     text = re.sub(r"(\d)\.(\d)|\b(e\.g|i\.e|etc|vs|al)\.", r"\1\2\3", text)
-    found = (re.findall(r"[^\W\d_][\w'-]*", each) for each in re.split(r"[.!?](?=\s|$)|\s[.:;]\s", text))
-    return [words for words in found if len(words) >= 4]
+    result = (re.findall(r"[^\W\d_][\w'-]*", each) for each in re.split(r"[.!?](?=\s|$)|\s[.:;]\s", text))
+    return [words for words in result if len(words) >= 4]
 
 
 def prose(page):

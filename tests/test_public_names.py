@@ -70,9 +70,9 @@ def test_a_scenario_does_not_change(law):
 
 def test_simulate_gives_a_solution_or_an_ensemble(law):
     assert isinstance(st.simulate(SMALL), st.Solution)
-    found = st.simulate(SMALL, vary={"law.k_v": [1e5, 1e6]}, threads=1)
-    assert isinstance(found, st.Ensemble)
-    assert len(found) == 2
+    solution = st.simulate(SMALL, vary={"law.k_v": [1e5, 1e6]}, threads=1)
+    assert isinstance(solution, st.Ensemble)
+    assert len(solution) == 2
     machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
     assert len(st.simulate(machine, {"bodies.a.mass": [0.5, 1.0]}, t_end=0.01, rtol=1e-9)) == 2
 
@@ -85,8 +85,8 @@ def test_signals_are_named_by_their_kind():
 
 
 def test_load_and_import(tmp_path):
-    found = st.load(examples.path("servo"), {"solve.t_end": 0.2})
-    assert found == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
+    result = st.load(examples.path("servo"), {"solve.t_end": 0.2})
+    assert result == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
     (tmp_path / "servo.json").write_text(
         '{"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}'
     )
@@ -94,9 +94,9 @@ def test_load_and_import(tmp_path):
 
 
 def test_sweep(tmp_path, law):
-    found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
-    assert found.parts == 1
-    assert found.files == [str(tmp_path / "one" / name) for name in ("_manifest.json", "part-000000.parquet")]
+    result = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
+    assert result.parts == 1
+    assert result.files == [str(tmp_path / "one" / name) for name in ("_manifest.json", "part-000000.parquet")]
     machine = st.Machine(
         st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.follow("p", "a", st.signals.Sine(2.0, 1.0))
     )

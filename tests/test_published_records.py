@@ -19,9 +19,9 @@ SHORT = dict(re.findall(r"^    ([A-Z]+)='(.*)'$", TABLE, re.M))
 
 def test_the_table_has_every_record():
     assert len(ROWS) == 8
-    told = " ".join(command for command, _ in ROWS)
+    text = " ".join(command for command, _ in ROWS)
     for name in ("DATA_EMPS.mat", "sysid", "direct_collocation", "energy_shaping", "257_3bar", "257_?bar"):
-        assert name in told
+        assert name in text
 
 
 @pytest.mark.share(15)
@@ -33,9 +33,9 @@ def test_a_row_is_what_its_command_prints(command, numbers, monkeypatch, capsys)
         command = command.replace(f"${short}", words)
     words = [str(p) for word in shlex.split(command) for p in (sorted(Path().glob(word)) if "?" in word else [word])]
     assert _status(["fit", *words, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    values = [found["relative_force_error"], found["friction_error"], found["cross_validated_error"]]
+    document = json.loads(capsys.readouterr().out)
+    values = [document["relative_force_error"], document["friction_error"], document["cross_validated_error"]]
     law, *cells = (cell.strip() for cell in numbers.split("|"))
-    assert law == found["law"]
+    assert law == document["law"]
     seen = [min(100 * x, 100.0) for x in values]  # beyond it nothing is predicted, and rounding may choose the model
     assert [float(cell.split()[0]) for cell in cells] == pytest.approx(seen, abs=0.011, rel=2e-3)

@@ -65,10 +65,10 @@ def chapter(done: Done) -> Chapter:
 
 
 def _run(scenario: Scenario) -> Solution:
-    found = simulate(scenario)
-    if found.reason:
-        raise StribeckError(f"the axis failed: {found.reason}")
-    return found
+    solution = simulate(scenario)
+    if solution.reason:
+        raise StribeckError(f"the axis failed: {solution.reason}")
+    return solution
 
 
 def _worst(run: Solution) -> float:
@@ -80,7 +80,7 @@ def _worst(run: Solution) -> float:
 
 def _figure(runs: dict[str, Solution], over: Excess) -> Printed:
     with plots.style():
-        made, axes = plots.figure([["error", "over"]], 3.0)
+        built, axes = plots.figure([["error", "over"]], 3.0)
         for i, (kind, run) in enumerate(runs.items(), start=1):
             plots.line(axes["error"], i, run.t, 1e6 * (run["axis.r"] - run["slide.y"]), _WORDS[kind])
         axes["error"].set(xlabel="t (s)", ylabel="error (µm)", title="the same sine")
@@ -90,7 +90,7 @@ def _figure(runs: dict[str, Solution], over: Excess) -> Printed:
             plots.line(axes["over"], 1, run.t, 1e3 * run["slide.v"], "")
         axes["over"].set(xlabel="t (s)", ylabel="speed (mm/s)", title="too much of it, the controller off")
         return finish(
-            made,
+            built,
             "axis",
             "Left: the error without and with compensation. Right: a share 5 % above what friction can take, let go.",
         )

@@ -32,7 +32,9 @@ def chapter(done: Done) -> Chapter:
     runs = {name: solve_all(name, _OTHERS) for name in ("presliding", "stick_slip", "sine_force", "limit_cycle")}
     forces = {label: break_away_force(variant, 1.0) for label, variant in _OTHERS.items()}
     off = {
-        label: {name: deviations(found[REFERENCE], found[label])["y"]["max_relative"] for name, found in runs.items()}
+        label: {
+            name: deviations(result[REFERENCE], result[label])["y"]["max_relative"] for name, result in runs.items()
+        }
         | {"break_away": abs(forces[label] / forces[REFERENCE] - 1)}
         for label in _OTHERS
         if label != REFERENCE
@@ -53,7 +55,7 @@ def chapter(done: Done) -> Chapter:
 
 def _figure(runs: dict[str, dict[str, Solution]]) -> Printed:
     with plots.style():
-        made, axes = plots.figure([["presliding", "stick_slip"], ["sine_force", "limit_cycle"]], 5.4)
+        built, axes = plots.figure([["presliding", "stick_slip"], ["sine_force", "limit_cycle"]], 5.4)
         curves(axes["presliding"], runs["presliding"], "y", "F")
         curves(axes["stick_slip"], runs["stick_slip"], "t", "y")
         curves(axes["sine_force"], runs["sine_force"], "t", "v")
@@ -65,9 +67,9 @@ def _figure(runs: dict[str, dict[str, Solution]]) -> Printed:
         axes["limit_cycle"].set_ylim(0.9, 1.1)
         for panel, axis in axes.items():
             axis.set_title({"stick_slip": "stick-slip, the fifth slip"}.get(panel, panel.replace("_", " ")))
-        plots.legend(made, axes["stick_slip"])
+        plots.legend(built, axes["stick_slip"])
         return finish(
-            made, "beyond_laws",
+            built, "beyond_laws",
             "The phenomena of Figs. 4, 6, 7 and 9 under the first smooth law (arctan), the paper's, and the majorant law, the "
             "last at a tenth of the steepness.",
         )  # fmt: skip

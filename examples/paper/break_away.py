@@ -37,25 +37,25 @@ def chapter(done: Done) -> Chapter:
     forces = {label: [break_away_force(variant, rate) for rate in RATES] for label, variant in PAPER.items()}
     lowest = min(forces[REFERENCE])
     with plots.style():
-        made, axes = plots.figure([["F", "near"]], 3.3)
-        for i, (label, found) in enumerate(forces.items()):
+        built, axes = plots.figure([["F", "near"]], 3.3)
+        for i, (label, result) in enumerate(forces.items()):
             for panel in ("F", "near"):
-                plots.line(axes[panel], i, RATES, found, label, marker="os^D"[i], markersize=3.5)
+                plots.line(axes[panel], i, RATES, result, label, marker="os^D"[i], markersize=3.5)
         axes["F"].set(xlabel="rate of the applied force (N/s)", ylabel="break-away force (N)")
         axes["F"].set_title("(a) complete simulation")
         axes["near"].set(xlabel="rate of the applied force (N/s)", ylabel="break-away force (N)")
         axes["near"].set_title("(b) detailed view")
         axes["near"].set_xlim(0.5, 5.5)
         axes["near"].set_ylim(1.29, 1.45)
-        plots.legend(made, axes["F"])
+        plots.legend(built, axes["F"])
         figure = finish(
-            made, "fig10_break_away",
+            built, "fig10_break_away",
             "The faster the applied force grows, the lower the friction force at which the body breaks away, down to "
             f"{lowest:.3f} N at {RATES[forces[REFERENCE].index(lowest)]:g} N/s for lugre"
             + (f"; at {RATES[-1]:g} N/s it is a little higher again." if lowest < forces[REFERENCE][-1] else "."),
         )  # fmt: skip
     columns = [RATES.index(rate) for rate in _TABLE]
-    rows = [[label, *(f"{found[i]:.5f}" for i in columns)] for label, found in forces.items()]
+    rows = [[label, *(f"{result[i]:.5f}" for i in columns)] for label, result in forces.items()]
     table = Table(["break-away force (N) at", *(f"{rate:g} N/s" for rate in _TABLE)], rows)
     below = {label: max(b - a for a, b in zip(forces[label], forces[REFERENCE], strict=True)) for label in PROPOSED}
     text = ("The break-away force is the first local maximum of the friction force under a force that grows steadily.",)

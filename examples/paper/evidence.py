@@ -51,24 +51,24 @@ def energy() -> tuple[Numbers, Printed]:
     k_v, charged = 1e6, 1e-6
     law = laws.law("lugre_sobczyk", "canudas1995", k_v=k_v)
     e = np.geomspace(1e-3, 30, 60)
-    found = np.array([integrate(law, -x / k_v, charged, 0.0) for x in e])
+    result = np.array([integrate(law, -x / k_v, charged, 0.0) for x in e])
     cycle = passivity_cycle(k_v)
     limit = pi / 2 * law.p.sigma_0 * g(law.p, 0.0) * charged / e
     with plots.style():
-        made, axes = plots.figure([["energy", "time"]], 3.2)
+        built, axes = plots.figure([["energy", "time"]], 3.2)
         axis = axes["energy"]
-        plots.line(axis, 1, e / k_v, -1e9 * found[:, 1], "drawn by unwinding at this speed")
+        plots.line(axis, 1, e / k_v, -1e9 * result[:, 1], "drawn by unwinding at this speed")
         plots.line(axis, 2, e / k_v, 1e9 * limit, "pi sigma_0 g z/(2 e), e = k_v |v|")
         axis.axhline(1e9 * cycle["put_in"], color=plots.GREY, linewidth=1.0, label="put in by charging")
         axis.plot([1 / k_v], [1e9 * cycle["drawn_out"]], "o", color=plots.COLOURS[0], markersize=5, label="replayed")
-        plots.line(axes["time"], 1, e / k_v, found[:, 0], "time")
+        plots.line(axes["time"], 1, e / k_v, result[:, 0], "time")
         axes["time"].plot([1 / k_v], [cycle["time"]], "o", color=plots.COLOURS[0], markersize=5)
         for panel, name in (("energy", "energy (nJ)"), ("time", "time (s)")):
             plots.logarithmic(axes[panel])
             axes[panel].set(xlabel="speed of unwinding (m/s)", ylabel=name)
-        plots.legend(made, axis)
+        plots.legend(built, axis)
         figure = finish(
-            made, "evidence_energy",
+            built, "evidence_energy",
             f"lugre_sobczyk, Table 1, k_v = {k_v:.0e} s/m, charged to z = 1 µm at {10 / k_v:.0e} m/s and unwound to z = 0. The "
             "slower, the more it gives back, like 1/e, and the longer it takes, like 1/e^2; no store can pay for it. The cycle "
             f"marked takes {cycle['time']:.2g} s and draws {1e9 * (cycle['drawn_out'] - cycle['put_in']):.0f} nJ in all.",
@@ -81,7 +81,7 @@ def unbounded() -> Printed:
     law = laws.law("lugre_arctan", "canudas1995", k_v=1e6)
     Z, v, distance = float(law.z_bound(law.p)), np.geomspace(1e-10, 1e-3, 200), 1e-3
     with plots.style():
-        made, axes = plots.figure([["limit", "way"]], 3.2)
+        built, axes = plots.figure([["limit", "way"]], 3.2)
         for i, k_v in enumerate(STEEPNESSES, start=1):
             label = f"k_v = 1e{round(np.log10(k_v))} s/m"
             plots.line(axes["limit"], i, v, law.replace(k_v=k_v).steady_deflection(v) / Z, label)
@@ -103,7 +103,7 @@ def unbounded() -> Printed:
         axes["way"].set(xlabel="distance (mm)", ylabel="z/Z", ylim=(0.01, 200), title="on the way, k_v = 1e6 s/m")
         axes["way"].legend(title="constant v", loc="lower right")
         return finish(
-            made, "evidence_unbounded",
+            built, "evidence_unbounded",
             "The first smooth law unwinds its bristles by v S_0(v) <= |v|, which is too little. At a constant slow speed, z "
             "grows within a fraction of a millimetre to any multiple of the bound that the other laws keep.",
         )  # fmt: skip
@@ -134,17 +134,17 @@ def dither() -> tuple[dict[str, dict[str, float]], Printed]:
     moved = {title: _load(BRISTLES, signal) for title, signal in loads.items()}
     floor = 1e-16  # m: what is smaller is rounding
     with plots.style():
-        made, axes = plots.figure([["drift"]], 2.9)
+        built, axes = plots.figure([["drift"]], 2.9)
         axis, rows = axes["drift"], np.arange(len(BRISTLES))[::-1]
-        for (i, (title, found)), mark in zip(enumerate(moved.items(), start=1), "os", strict=True):
-            far, fill = np.maximum(np.abs(list(found.values())), floor), "none" if i > 1 else "full"
+        for (i, (title, result)), mark in zip(enumerate(moved.items(), start=1), "os", strict=True):
+            far, fill = np.maximum(np.abs(list(result.values())), floor), "none" if i > 1 else "full"
             axis.plot(far, rows, mark, color=plots.COLOURS[i], label=title, markersize=6, fillstyle=fill)
         plots.logarithmic(axis, y=False)
         axis.set(xlabel="moved in 16 s (m); at the left edge: nothing but rounding", xlim=(0.5 * floor, 1e-2))
         axis.set_yticks(rows, list(BRISTLES))
-        plots.legend(made, axis)
+        plots.legend(built, axis)
         figure = finish(
-            made, "evidence_dither",
+            built, "evidence_dither",
             "Loads below sigma_0 z_ba = 0.7 N and far below F_s = 1.5 N. Every law whose bristles relax while z is small walks "
             "away; the elasto-plastic law and its majorant version stay. The smooth elasto-plastic law of the paper's Remark 1 "
             "walks under the sawtooth, whose slow part winds its bristles less than the body moves.",
@@ -161,7 +161,7 @@ def creep() -> tuple[Numbers, Printed]:
     k_v = np.geomspace(3e5, 3e8, 13)
     simulated: dict[str, dict[str, float]] = {}
     with plots.style():
-        made, axes = plots.figure([["creep"]], 3.3)
+        built, axes = plots.figure([["creep"]], 3.3)
         axis = axes["creep"]
         for i, (label, (name, own)) in enumerate(variants.items(), start=1):
             law = laws.law(name, "canudas1995", k_v=1.0, **own)
@@ -171,9 +171,9 @@ def creep() -> tuple[Numbers, Printed]:
             axis.plot(STEEPNESSES, dots, "o", color=plots.COLOURS[i], markersize=4)
         plots.logarithmic(axis)
         axis.set(xlabel="k_v (s/m)", ylabel="creep (µm/s)")
-        plots.legend(made, axis)
+        plots.legend(built, axis)
         figure = finish(
-            made, "evidence_creep",
+            built, "evidence_creep",
             f"Creep under {_SHARE:g} F_s held (Table 1): from the steady state (lines) and simulated for 100 s (dots). Each law "
             f"creeps like 1/k_v: lugre_sobczyk at tan(pi F/(2 F_s))/k_v = {tan(_SHARE * pi / 2):.1f}/k_v, the majorants "
             "where v/m(v) = F/F_s: 3.04/k_v (sqrt), 1.47/k_v (arctan), 0.59/k_v (compact). lugre and lugre_arctan do not creep.",

@@ -28,8 +28,8 @@ _V_MAX = 0.02  # m/s: LuGre with Table 1 is passive up to about twice that
 
 def chapter(done: Done) -> Chapter:
     """The matrix, the paper's statements with a verdict, and the storage interval of each law."""
-    made = {name: laws.law(law, "canudas1995", **own) for name, (law, own) in BRISTLES.items()}
-    verdicts = {name: check(law) for name, law in made.items()}
+    built = {name: laws.law(law, "canudas1995", **own) for name, (law, own) in BRISTLES.items()}
+    verdicts = {name: check(law) for name, law in built.items()}
     cycle = passivity_cycle(1e6)
     text = (
         "The paper's case for its law is that it keeps three properties of LuGre: (i) a unique solution, (ii) a bounded z, "
@@ -47,7 +47,7 @@ def chapter(done: Done) -> Chapter:
         "cycle": cycle,
     }
     tables = [matrix, _paper(verdicts, cycle)]
-    return Chapter("guarantees", "What the laws guarantee", text, tables, [_storage(made)], numbers)
+    return Chapter("guarantees", "What the laws guarantee", text, tables, [_storage(built)], numbers)
 
 
 def _row(name: str, verdicts: Verdicts) -> list[str]:
@@ -60,7 +60,7 @@ def _row(name: str, verdicts: Verdicts) -> list[str]:
 def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Table:
     """What the paper says of the properties, what was found, and the command that replays it."""
 
-    def found(law: str, *names: str) -> str:
+    def result(law: str, *names: str) -> str:
         return ", ".join(f"{name.replace('_', ' ')}: {DECIDED[verdicts[law][name].holds]}" for name in names)
 
     def all_hold(law: str, *names: str) -> bool:
@@ -71,14 +71,14 @@ def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Tabl
     draws = cycle["drawn_out"] > cycle["put_in"]
     rows = [
         ["LuGre has (i) and (ii), and (iii) with a proper choice of its parameters",
-         f"{found('lugre', 'unique', 'bounded', 'passive')} with Table 1, which is no such choice",
+         f"{result('lugre', 'unique', 'bounded', 'passive')} with Table 1, which is no such choice",
          "confirmed" if all_hold("lugre", "unique", "bounded") else "not confirmed",
          "stribeck check lugre --parameters canudas1995"],
         ["Whether z of the first smooth law is bounded is an open question",
          f"it is not: z tends to g pi/(2 arctan(k_v |v|)), without limit as v -> 0; replayed up to {level:.3g} Z",
          "settled: not bounded" if bounded.holds is False else "open", f"stribeck check lugre_arctan {_HERE}"],
         ["The proposed law has (i) and (ii)",
-         f"{found('lugre_sobczyk', 'unique', 'bounded')}, |z| <= F_s/sigma_0; {found('lugre_sobczyk', 'smooth')}",
+         f"{result('lugre_sobczyk', 'unique', 'bounded')}, |z| <= F_s/sigma_0; {result('lugre_sobczyk', 'smooth')}",
          "confirmed" if all_hold("lugre_sobczyk", "unique", "bounded") else "not confirmed",
          f"stribeck check lugre_sobczyk {_HERE}"],
         ["The proposed law has (iii), proven in Sobczyk (2009)",
@@ -87,11 +87,11 @@ def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Tabl
          "does not hold" if draws else "confirmed",
          f"stribeck check lugre_sobczyk {_HERE} --v-max 1e-5 --out found; stribeck run found/passive.toml"],
         ["The approximation extends to the elasto-plastic law (Remark 1)",
-         f"{found('elastoplastic_sobczyk', 'bounded', 'smooth', 'passive', 'drift_free')}",
+         f"{result('elastoplastic_sobczyk', 'bounded', 'smooth', 'passive', 'drift_free')}",
          "confirmed with a remark", f"stribeck check elastoplastic_sobczyk {_HERE} --set z_ba=7e-6"],
         ["A smooth law should keep the properties (the purpose of Section 3)",
          "it can: with a majorant of |v| it is passive whenever LuGre is (k_v >= 2 sigma_1/(pi F_s)); "
-         f"elastoplastic_majorant is {found('elastoplastic_majorant', 'bounded', 'smooth', 'drift_free')}",
+         f"elastoplastic_majorant is {result('elastoplastic_majorant', 'bounded', 'smooth', 'drift_free')}",
          "possible", f"stribeck check elastoplastic_majorant {_HERE} --set z_ba=7e-6 --set v_d=0.02"],
     ]  # fmt: skip
     return Table(["the paper", "found", "verdict", "replay"], rows, prose=True)

@@ -88,13 +88,13 @@ def _solve(tables: dict[str, object]) -> Solution:
 def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     """Each contact for all that its load can do, and the mesh without v_d while its level doubles."""
     scenario = Scenario(_machine(_ELASTIC))
-    found = {}
+    result = {}
     for contact in scenario.system.contacts:
         varied = of_contact(scenario.elements, contact, scenario.end, {})
-        found[contact.name] = varied, CheckedAlways(varied, None, WORK, {}).passive()
+        result[contact.name] = varied, CheckedAlways(varied, None, WORK, {}).passive()
     law = scenario.elements.laws["contacts.mesh.law"]
     bare = type(law)({**law.values, **law.choices, "v_d": None}, law.rotary)
-    return found, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK, {}).passive()
+    return result, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK, {}).passive()
 
 
 def _numbers(
@@ -121,7 +121,7 @@ def _word(verdict: Verdict) -> str:
 def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verdict) -> Printed:
     drawn = _solve(swung.scenario or {})
     with plots.style():
-        made, axes = plots.figure([["creep", "friction"], ["hunts", "energy"]], 5.4)
+        built, axes = plots.figure([["creep", "friction"], ["hunts", "energy"]], 5.4)
         for i, (law, s) in enumerate(held.items(), start=1):
             plots.line(axes["creep"], i, s.t, 1e6 * s["arm.y"], law)
         axes["creep"].set(xlabel="t (s)", ylabel="arm (µrad)", title="pushed for 8 s, and let go")
@@ -137,7 +137,7 @@ def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verd
         for name in ("creep", "friction", "hunts"):
             axes[name].legend()
         return finish(
-            made, "joint",
+            built, "joint",
             "A geared joint. Above: what a push leaves behind, and friction on the way to a target. Below: the loop at the "
             "target, which hunts with the friction that the load adds; and the mesh without v_d, its level swung between 1 "
             f"and {_SWING:g}: every cycle takes the energy put in further below 0.",

@@ -27,7 +27,7 @@ def chapter(done: Done) -> Chapter:
     solutions = solve_all("limit_cycle")
     reference = solutions[REFERENCE]
     with plots.style():
-        made, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
+        built, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
         for panel in ("all", "first", "late"):
             _, of_y = curves(axes[panel], solutions, "t", "y")
             axes[panel].plot(reference.t, of_y.of(reference["r"]), color=plots.GREY, linewidth=0.8)
@@ -37,9 +37,9 @@ def chapter(done: Done) -> Chapter:
         axes["late"].set_xlim(SETTLED, 250)
         axes["late"].set_ylim(0.9 / of_y.factor, 1.1 / of_y.factor)
         axes["late"].set_title("(c) after the transients")
-        plots.legend(made, axes["all"])
+        plots.legend(built, axes["all"])
         figure = finish(
-            made, "fig09_limit_cycle",
+            built, "fig09_limit_cycle",
             "The setpoint steps by 1 m at 10 s. The controller's integral winds up while the body sticks, and the body "
             "jumps over the setpoint again and again: a limit cycle.",
         )  # fmt: skip

@@ -30,12 +30,12 @@ def chapter(done: Done) -> Chapter:
     # over the last second of the first hold, when what is elastic has settled
     held = {label: float(np.interp(15.0, s.t, s["y"]) - np.interp(14.0, s.t, s["y"])) for label, s in solutions.items()}
     with plots.style():
-        made, axes = plots.figure([["F_y", "y_t"]], 3.3)
+        built, axes = plots.figure([["F_y", "y_t"]], 3.3)
         curves(axes["F_y"], solutions, "y", "F")
         curves(axes["y_t"], solutions, "t", "y")
-        plots.legend(made, axes["F_y"])
+        plots.legend(built, axes["F_y"])
         figure = finish(
-            made, "fig04_presliding",
+            built, "fig04_presliding",
             "Friction force against displacement (left, the paper's panel) and displacement against time (right) while the "
             "force is ramped to 0.95 F_s, held for 5 s, reversed, held and released. LuGre comes to rest during a hold; the "
             f"proposed law creeps, by {1e6 * held[PROPOSED[0]]:.2f}, {1e6 * held[PROPOSED[1]]:.2f} and "

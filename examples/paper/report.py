@@ -132,5 +132,5 @@ def _leave_ctrl_c_to_the_parent() -> None:
 
 
 def _chapter(name: str, done: dict[str, Chapter]) -> Chapter:
-    made: Chapter = importlib.import_module(f"examples.paper.{name}").chapter(done)
-    return made
+    built: Chapter = importlib.import_module(f"examples.paper.{name}").chapter(done)
+    return built

@@ -71,12 +71,14 @@ def scenario(law: Changes, observer: Changes, **changes: object) -> Scenario:
 
 def chapter(done: Done) -> Chapter:
     """Tracking of a sine, moves from point to point, and the adaptive controller."""
-    found = {label: solve(scenario(law, observer, **more), label) for label, (law, observer, more) in _VARIANTS.items()}
+    result = {
+        label: solve(scenario(law, observer, **more), label) for label, (law, observer, more) in _VARIANTS.items()
+    }
     moves, slow, adapted = _moves(), _slow(), _adapted()
     numbers = {
-        "error": {label: _last(s) for label, s in found.items()},
-        "V_end": {label: s.final["V"] for label, s in found.items()},
-        "rises": {label: _rises(s) for label, s in found.items()},
+        "error": {label: _last(s) for label, s in result.items()},
+        "V_end": {label: s.final["V"] for label, s in result.items()},
+        "rises": {label: _rises(s) for label, s in result.items()},
         "rest": {label: float(s["e"][-1]) for label, s in moves.items()},
         "z_err_at_rest": {label: float(s["z_hat"][-1] - s["z"][-1]) for label, s in moves.items() if label != _UNCOMPENSATED},
         "stick_slips": {label: _stick_slips(s) for label, s in slow.items()},
@@ -84,7 +86,7 @@ def chapter(done: Done) -> Chapter:
     }  # fmt: skip
     rows = [
         [label, f"{_last(s):.2g}", f"{s.final['V']:.2g}", "no" if not _rises(s) else f"after {_rises(s)} rows"]
-        for label, s in found.items()
+        for label, s in result.items()
     ]
     head = [
         "plant and observer (k_v = 1e6 unless said)",
@@ -94,14 +96,14 @@ def chapter(done: Done) -> Chapter:
     ]
     tables = [Table(head, rows), _rest_table(moves), _adaptation_table(adapted)]
     figures = [
-        _tracking(found),
-        _inside(found[_MATCHED], found[_UNCOMPENSATED]),
+        _tracking(result),
+        _inside(result[_MATCHED], result[_UNCOMPENSATED]),
         _moving(moves, slow),
         _adapting(adapted),
     ]
-    data = record({label: found[label] for label in _DRAWN})
+    data = record({label: result[label] for label in _DRAWN})
     title = "A pneumatic servo with friction compensation"
-    return Chapter("servo", title, _text(found, moves, slow, adapted), tables, figures, numbers, data)
+    return Chapter("servo", title, _text(result, moves, slow, adapted), tables, figures, numbers, data)
 
 
 def _last(s: Solution) -> float:
@@ -157,12 +159,12 @@ def _moves() -> dict[str, Solution]:
     signal = {"kind": "point_to_point", "t": t, "value": [0.5, 0.6, 0.6, 0.5, 0.5, 0.6, 0.6, 0.5]}
     changes = {"drive.signal": signal, "solve.t_end": t[-1] + _REST, "plant.initial.y": 0.5, "output.step": 0.005}
     observers = {name: _observer(name) for name in ("lugre_sobczyk", "lugre_majorant")}
-    found = {
+    result = {
         name: solve(scenario(_LUGRE, observer, **changes), name)
         for name, observer in {**observers, _UNCOMPENSATED: {"name": "none"}}.items()
     }
-    found[_TOO_STRONG] = solve(scenario(_LUGRE, _observer("lugre_sobczyk"), wrong=1.5, **changes), _TOO_STRONG)
-    return found
+    result[_TOO_STRONG] = solve(scenario(_LUGRE, _observer("lugre_sobczyk"), wrong=1.5, **changes), _TOO_STRONG)
+    return result
 
 
 def _slow() -> dict[str, Solution]:
@@ -202,7 +204,7 @@ def _rest_table(moves: dict[str, Solution]) -> Table:
 
 def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> Printed:
     with plots.style():
-        made, axes = plots.figure([["y", "y"], ["e", "v"]], 5.2)
+        built, axes = plots.figure([["y", "y"], ["e", "v"]], 5.2)
         for i, (label, s) in enumerate(moves.items()):
             plots.line(axes["y"], i, s.t[::5], s["y"][::5], label)
             plots.line(axes["e"], i, *_largest(s, "e", 0.1), label)
@@ -212,9 +214,9 @@ def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> Printed:
         axes["e"].set(xlabel="t (s)", ylabel="|e| (m)", title="(b) largest error of 0.1 s")
         plots.logarithmic(axes["e"], x=False)
         axes["v"].set(xlabel="t (s)", ylabel="v (m/s)", title="(c) a slow move, a seal that sticks more")
-        plots.legend(made, axes["y"])
+        plots.legend(built, axes["y"])
         return finish(
-            made, "servo_moves",
+            built, "servo_moves",
             "Without compensation the piston of the example stops short of its goal, and nothing removes the error, because the "
             "controller has no integral (so it cannot hunt either); its soft bristles and viscous friction keep it from "
             "sticking and slipping. (c) has another seal: sigma_0 = 1e5 N/m and F_s = 50 N, all else as before, moved 0.2 m in "
@@ -236,7 +238,7 @@ def _largest(s: Solution, name: str, window: float) -> tuple[Array, float]:
 
 def _tracking(found: dict[str, Solution]) -> Printed:
     with plots.style():
-        made, axes = plots.figure([["e"], ["V"]], 6.4)
+        built, axes = plots.figure([["e"], ["V"]], 6.4)
         for i, label in enumerate(_DRAWN):
             for name, axis in axes.items():
                 plots.line(axis, i, *_largest(found[label], name, 0.1), label)
@@ -244,9 +246,9 @@ def _tracking(found: dict[str, Solution]) -> Printed:
         axes["V"].set(xlabel="t (s)", ylabel="V (J)", title="(b) Lyapunov function, the largest of 0.1 s")
         for axis in axes.values():
             plots.logarithmic(axis, x=False)
-        plots.legend(made, axes["e"])
+        plots.legend(built, axes["e"])
         return finish(
-            made, "servo_tracking",
+            built, "servo_tracking",
             "Tracking 0.5 + 0.2 sin(2 pi 0.2 t) m from 10 mm beside it. V falls to the solver's floor where the observer has "
             "the plant's law; elsewhere it falls to what the difference of the laws or parameters leaves.",
         )  # fmt: skip
@@ -256,7 +258,7 @@ def _inside(s: Solution, none: Solution) -> Printed:
     shown = s.t <= 6.0
     t = s.t[shown]
     with plots.style():
-        made, axes = plots.figure([["p", "u"], ["F", "z"]], 5.2)
+        built, axes = plots.figure([["p", "u"], ["F", "z"]], 5.2)
         for i, (name, label) in enumerate((("p_1", "chamber 1"), ("p_2", "chamber 2"))):
             plots.line(axes["p"], i, t, s[name][shown] / 1e5, label)
         axes["p"].set(xlabel="t (s)", ylabel="pressure (bar)", title="(a) pressures", xlim=(0, 6))
@@ -274,7 +276,7 @@ def _inside(s: Solution, none: Solution) -> Printed:
         for panel, axis in axes.items():
             axis.legend(loc="upper right" if panel == "u" else "lower left", fontsize=7)
         return finish(
-            made, "servo_inside",
+            built, "servo_inside",
             f"The same run from inside ({_MATCHED}). The valve is at its limit of 10 V in the first instants (beyond the axis), "
             "the only time that the proof does not cover.",
         )  # fmt: skip
@@ -319,7 +321,7 @@ def _adaptation_table(adapted: dict[str, Solution]) -> Table:
 
 def _adapting(adapted: dict[str, Solution]) -> Printed:
     with plots.style():
-        made, axes = plots.figure([["e", "e"], ["sigma_0", "sigma_1"], ["sigma_2", "F_c"]], 6.4)
+        built, axes = plots.figure([["e", "e"], ["sigma_0", "sigma_1"], ["sigma_2", "F_c"]], 6.4)
         for i, (label, s) in enumerate(adapted.items()):
             plots.line(axes["e"], i, *_largest(s, "e", 5.0), label)
             for name in ("sigma_0", "sigma_1", "sigma_2", "F_c"):
@@ -330,9 +332,9 @@ def _adapting(adapted: dict[str, Solution]) -> Printed:
         plots.logarithmic(axes["e"], x=False)
         for letter, name in zip("bcde", ("sigma_0", "sigma_1", "sigma_2", "F_c"), strict=True):
             axes[name].set(xlabel="t (s)", ylabel=f"{name} / true", title=f"({letter}) {name}")
-        plots.legend(made, axes["e"])
+        plots.legend(built, axes["e"])
         return finish(
-            made, "servo_adaptive",
+            built, "servo_adaptive",
             "All of sigma_0, sigma_1, sigma_2, F_c and F_s start 50 % too low or too high. F_c is found first, as every reversal "
             "shows it; sigma_1 last, as it acts only within millimetres of a reversal. On the moves sigma_0 and sigma_1 act in "
             "the same instants, at the start and end of a move: they stand in for each other and part slowly.",

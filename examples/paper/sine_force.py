@@ -29,7 +29,7 @@ def chapter(done: Done) -> Chapter:
     viscous_law = {"g1": 0.0, "g2": 1.0, "g3": 0.0, "g4": 0.0, "g5": 1.0, "g6": sigma_2}
     viscous = solve(scenario("sine_force", ("makkar", viscous_law)), "viscous friction")
     with plots.style():
-        made, axes = plots.figure([["F"], ["v"]], 5.0)
+        built, axes = plots.figure([["F"], ["v"]], 5.0)
         _, of_F = curves(axes["F"], solutions, "t", "F")
         axes["F"].plot(reference.t, of_F.of(reference["u"]), color=plots.GREY, linewidth=0.8)
         axes["F"].annotate("applied force", (1.45, 1.45 / of_F.factor), color=plots.GREY, fontsize=8)
@@ -38,9 +38,9 @@ def chapter(done: Done) -> Chapter:
         axes["v"].plot(viscous.t, of_v.of(viscous["v"]), color=plots.GREY, linewidth=1.0)
         axes["v"].annotate("viscous friction alone", (2.6, 1.25 / of_v.factor), color=plots.GREY, fontsize=8)
         axes["v"].set_title("(b) velocity")
-        plots.legend(made, axes["F"])
+        plots.legend(built, axes["F"])
         figure = finish(
-            made, "fig07_sine_force",
+            built, "fig07_sine_force",
             "Friction follows the applied force (grey) until F_s is reached, falls to F_c, and the body moves in the "
             f"direction of the force until it sticks again. With viscous friction alone (b, grey) the body never rests and "
             f"reaches {viscous.peaks['v']:.3f} m/s where LuGre reaches {reference.peaks['v']:.3f} m/s.",

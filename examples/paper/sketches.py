@@ -28,17 +28,17 @@ def _box(axis: Axes, x: float, y: float, width: float, height: float, text: str)
 
 
 def _empty(height: float, x: tuple[float, float], y: tuple[float, float]) -> tuple[Figure, Axes]:
-    made, axes = plots.figure([["sketch"]], height)
+    built, axes = plots.figure([["sketch"]], height)
     axis = axes["sketch"]
     axis.set(xlim=x, ylim=y, aspect="equal")
     axis.axis("off")
-    return made, axis
+    return built, axis
 
 
 def spring() -> Printed:
     """A body on a surface, pulled through a spring."""
     with plots.style():
-        made, axis = _empty(1.7, (0, 12), (0, 2.6))
+        built, axis = _empty(1.7, (0, 12), (0, 2.6))
         axis.plot([0.4, 11.6], [0.5, 0.5], color="black", linewidth=1.1)
         for x in np.arange(0.6, 11.6, 0.35):
             axis.plot([x, x - 0.2], [0.5, 0.28], color="black", linewidth=0.6)
@@ -55,7 +55,7 @@ def spring() -> Printed:
         _arrow(axis, (1.9, 0.72), (0.9, 0.72))
         axis.text(0.85, 0.95, "F", ha="center")
         caption = "Physical set-up for stick-slip motion: m = 1 kg, k = 2 N/m, friction F between body and surface."
-        return finish(made, "fig05_spring", caption)
+        return finish(built, "fig05_spring", caption)
 
 
 def pid() -> Printed:
@@ -63,7 +63,7 @@ def pid() -> Printed:
     from matplotlib.patches import Circle
 
     with plots.style():
-        made, axis = _empty(2.3, (0, 14), (0.3, 4.1))
+        built, axis = _empty(2.3, (0, 14), (0.3, 4.1))
         for x, y in ((1.6, 2.6), (7.2, 2.6), (9.0, 2.6)):
             axis.add_patch(Circle((x, y), 0.22, facecolor="white", edgecolor="black", linewidth=1.1))
         _arrow(axis, (0.4, 2.6), (1.38, 2.6))
@@ -94,4 +94,4 @@ def pid() -> Printed:
         for x, y in ((1.75, 2.1), (7.35, 2.1), (9.2, 2.95)):
             axis.text(x, y, "-", fontsize=11)
         caption = "PID position control of a body with friction; the derivative acts on the measured velocity."
-        return finish(made, "fig08_pid_loop", caption)
+        return finish(built, "fig08_pid_loop", caption)

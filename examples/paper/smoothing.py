@@ -74,7 +74,7 @@ def _beside(
     """Two panels, each with the exact function and the smooth one for every steepness."""
     factor, unit = prefixed("m/s", float(v.max()))
     with plots.style():
-        made, axes = plots.figure([["left", "right"]], 3.1)
+        built, axes = plots.figure([["left", "right"]], 3.1)
         for axis, panel in zip((axes["left"], axes["right"]), panels, strict=True):
             tall = factor if panel.is_speed else 1.0
             plots.line(axis, 0, v / factor, panel.exact(v) / tall, exact)
@@ -82,5 +82,5 @@ def _beside(
                 plots.line(axis, i, v / factor, panel.smooth(p, v) / tall, labels[k_v])
             label = f"{panel.name} ({unit})" if panel.is_speed else panel.name
             axis.set(xlabel=f"v ({unit})", ylabel=label, title=panel.title)
-        plots.legend(made, axes["left"])
-        return finish(made, name, caption)
+        plots.legend(built, axes["left"])
+        return finish(built, name, caption)

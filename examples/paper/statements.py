@@ -42,47 +42,47 @@ def chapter(done: Done) -> Chapter:
 
 def _presliding(done: Done) -> Statement:
     off = done["presliding"].numbers["deviation_of_peak"]
-    found = f"largest deviation of y, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)} for k_v = 1e6, 1e7, 1e8"
+    result = f"largest deviation of y, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)} for k_v = 1e6, 1e7, 1e8"
     only_large = off[_AT_1E6] > 1.0 > off[_AT_1E7]
     close = off[_AT_1E7] < 0.05
     remark = "" if close else "; at 1e7 it is visible in any plot, and it grows for as long as the force is held"
     verdict = CONFIRMED if only_large and close else REMARK if only_large else NOT
     says = "Presliding: a satisfactory approximation is reached only for very large k_v, of the order of 1e7 s/m or larger."
-    return Statement("Section 4, Fig. 4", says, found + remark, verdict)
+    return Statement("Section 4, Fig. 4", says, result + remark, verdict)
 
 
 def _returns(done: Done) -> Statement:
     creep = done["presliding"].numbers["creep"]
     speeds = ", ".join(f"{1e6 * creep[k]:.3g}" for k in (REFERENCE, *PROPOSED))
-    found = f"under the held 0.95 F_s: {speeds} µm/s at the end of the hold for lugre and k_v = 1e6, 1e7, 1e8"
+    result = f"under the held 0.95 F_s: {speeds} µm/s at the end of the hold for lugre and k_v = 1e6, 1e7, 1e8"
     rests = all(abs(creep[k]) < 2 * abs(creep[REFERENCE]) + 1e-9 for k in PROPOSED)
     says = "Presliding: the body does not acquire any translational movement in its true sense."
     return Statement(
         "Section 4",
         says,
-        f"{found}: under the proposed law the body keeps moving, for as long as the force is held",
+        f"{result}: under the proposed law the body keeps moving, for as long as the force is held",
         CONFIRMED if rests else NOT,
     )
 
 
 def _stick_slip(done: Done) -> Statement:
     off, before = done["stick_slip"].numbers["deviation_of_peak"], done["presliding"].numbers["deviation_of_peak"]
-    found = f"largest deviation of y, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)}"
+    result = f"largest deviation of y, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)}"
     closer = all(off[k] < 0.1 * before[k] for k in PROPOSED)
     only_first = off[_AT_1E6] > 0.01 > off[_AT_1E7]
     says = "Stick-slip: much closer than in presliding; the difference is visible only for k_v = 1e6 s/m."
     return Statement(
-        "Section 4, Fig. 6", says, found, CONFIRMED if closer and only_first else REMARK if closer else NOT
+        "Section 4, Fig. 6", says, result, CONFIRMED if closer and only_first else REMARK if closer else NOT
     )
 
 
 def _sine(done: Done) -> Statement:
     numbers = done["sine_force"].numbers
     off = numbers["deviation_of_peak_v"]
-    found = f"largest deviation of v, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)}"
+    result = f"largest deviation of v, share of the peak: {', '.join(percent(off[k]) for k in PROPOSED)}"
     says = "Sinusoidal force: the models are hardly distinguishable for each value of k_v."
     small = max(off.values()) < 0.02
-    return Statement("Section 4, Fig. 7", says, found, CONFIRMED if small else REMARK if off[_AT_1E7] < 0.02 else NOT)
+    return Statement("Section 4, Fig. 7", says, result, CONFIRMED if small else REMARK if off[_AT_1E7] < 0.02 else NOT)
 
 
 def _hunting(done: Done) -> Statement:
@@ -91,30 +91,30 @@ def _hunting(done: Done) -> Statement:
     same = all(
         abs(a[k] / a[REFERENCE] - 1) < 0.01 and abs(period[k] / period[REFERENCE] - 1) < 0.01 for k in PROPOSED[1:]
     )
-    found = (
+    result = (
         f"amplitude {', '.join(f'{1e3 * a[k]:.2f}' for k in (REFERENCE, *PROPOSED))} mm, "
         f"period {', '.join(f'{period[k]:.2f}' for k in (REFERENCE, *PROPOSED))} s for lugre and k_v = 1e6, 1e7, 1e8"
     )
     says = "Both models clearly predict limit cycles, hardly distinguishable for k_v = 1e7 s/m or greater."
-    return Statement("Section 4, Fig. 9", says, found, CONFIRMED if same else NOT)
+    return Statement("Section 4, Fig. 9", says, result, CONFIRMED if same else NOT)
 
 
 def _falls(done: Done) -> Statement:
     numbers = done["break_away"].numbers
     forces, rates = numbers["forces"][REFERENCE], numbers["rates"]
     lowest = min(range(len(forces)), key=forces.__getitem__)
-    found = f"{forces[0]:.4f} N at {rates[0]:g} N/s, down to {forces[lowest]:.4f} N at {rates[lowest]:g} N/s"
+    result = f"{forces[0]:.4f} N at {rates[0]:g} N/s, down to {forces[lowest]:.4f} N at {rates[lowest]:g} N/s"
     rises = lowest < len(forces) - 1
-    found += f", then up again to {forces[-1]:.4f} N at {rates[-1]:g} N/s" if rises else ""
+    result += f", then up again to {forces[-1]:.4f} N at {rates[-1]:g} N/s" if rises else ""
     says = "The break-away force becomes smaller as the rate of the applied force is increased."
-    return Statement("Section 4, Fig. 10", says, found, REMARK if rises else CONFIRMED)
+    return Statement("Section 4, Fig. 10", says, result, REMARK if rises else CONFIRMED)
 
 
 def _close(done: Done) -> Statement:
     below = done["break_away"].numbers["largest_shortfall"]
-    found = f"lower than lugre's by at most {', '.join(f'{1e3 * below[k]:.2f}' for k in PROPOSED)} mN"
+    result = f"lower than lugre's by at most {', '.join(f'{1e3 * below[k]:.2f}' for k in PROPOSED)} mN"
     says = "Break-away: for k_v of about 1e7 s/m or larger the proposed law resembles the original very closely."
-    return Statement("Section 4, Fig. 10", says, found, CONFIRMED if below[_AT_1E7] < 1e-3 else NOT)
+    return Statement("Section 4, Fig. 10", says, result, CONFIRMED if below[_AT_1E7] < 1e-3 else NOT)
 
 
 def passivity_cycle(k_v: float) -> dict[str, float]:
@@ -145,12 +145,12 @@ def passivity_cycle(k_v: float) -> dict[str, float]:
 
 def _passive(done: Done) -> Statement:
     cycle = passivity_cycle(1e6)
-    found = (
+    result = (
         f"charging to z = 1 µm takes {1e9 * cycle['put_in']:.1f} nJ; moving back at 1 µm/s until z = 0 again gives "
         f"{1e9 * cycle['drawn_out']:.1f} nJ, after {cycle['time']:.1f} s in all (k_v = 1e6 s/m)"
     )
     says = "The proposed law is passive from velocity to friction force (property iii)."
-    return Statement("Section 3.2", says, found, NOT if cycle["drawn_out"] > cycle["put_in"] else CONFIRMED)
+    return Statement("Section 3.2", says, result, NOT if cycle["drawn_out"] > cycle["put_in"] else CONFIRMED)
 
 
 _STATEMENTS: tuple[Callable[[Done], Statement], ...] = (

@@ -26,15 +26,15 @@ def chapter(done: Done) -> Chapter:
     v = np.concatenate([-half[::-1], half])
     factor, unit = prefixed("m/s", float(v.max()))
     with plots.style():
-        made, axes = plots.figure([["F", "near"]], 3.1)
+        built, axes = plots.figure([["F", "near"]], 3.1)
         for i, (label, each) in enumerate(laws.items()):
             plots.line(axes["F"], i, v / factor, each.steady_force(v), label)
             plots.line(axes["near"], i, half, each.steady_force(half), label)
         axes["F"].set(xlabel=f"v ({unit})", ylabel="F (N)", title="(a) static relationship")
         axes["near"].set(xlabel="v (m/s)", ylabel="F (N)", xscale="log", title="(b) near rest")
-        plots.legend(made, axes["F"])
+        plots.legend(built, axes["F"])
         figure = finish(
-            made, "fig01_steady_friction",
+            built, "fig01_steady_friction",
             "Friction force at constant velocity: static friction F_s at rest, falling to F_c above the Stribeck velocity, "
             "then viscous. On a logarithmic axis (b) the proposed law leaves this curve where v is below some 1/k_v: at "
             "constant velocity its deflection is S_0(v) g(v), so the steady force falls to 0 at rest.",

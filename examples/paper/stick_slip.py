@@ -24,7 +24,7 @@ def chapter(done: Done) -> Chapter:
     solutions = solve_all("stick_slip")
     reference = solutions[REFERENCE]
     with plots.style():
-        made, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
+        built, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
         _, of_y = curves(axes["y"], solutions, "t", "y")
         axes["y"].plot(reference.t, of_y.of(reference["x"]), color=plots.GREY, linewidth=0.8)
         axes["y"].annotate("far end x", (14, 2.6 / of_y.factor), color=plots.GREY, fontsize=8)
@@ -38,9 +38,9 @@ def chapter(done: Done) -> Chapter:
         axes["detail"].set_title("(b) detail: the fifth slip")
         curves(axes["v"], solutions, "t", "v")
         curves(axes["F"], solutions, "t", "F")
-        plots.legend(made, axes["y"])
+        plots.legend(built, axes["y"])
         figure = finish(
-            made, "fig06_stick_slip",
+            built, "fig06_stick_slip",
             "The far end of the spring moves at 0.1 m/s. The body stands still until the spring force passes the static "
             "friction, then jumps; the slower its law lets go, the later. Deviations do not grow chaotically.",
         )  # fmt: skip

@@ -56,20 +56,20 @@ def static_law(folder, claims, force):
 def test_each_claim_of_a_law_without_z_is_answered(stribeck, tmp_path):
     """A law that drives between 1 and 2 m/s: F v = v^2 (v^2 - 3 |v| + 2) is -0.25 v^2 at 1.5 m/s."""
     law = static_law(tmp_path, "passive=True, unique=True", "p.sigma_2 * v * (v * v - 3 * (v * v)**0.5 + 2)")
-    found = stribeck(*law, "--json")
-    claims = json.loads(found.out)["claims"]
+    process = stribeck(*law, "--json")
+    claims = json.loads(process.out)["claims"]
     assert {name: each["holds"] for name, each in claims.items()} == {"unique": None, "passive": False}
     assert claims["unique"]["evidence"]["reason"].startswith("does not apply")
     v, force = (claims["passive"]["evidence"][name] for name in "vF")
     assert 1 < abs(v) < 2
     assert force == pytest.approx(0.1 * v * (v * v - 3 * abs(v) + 2))
-    assert "claims: passive: True: is refuted" in found.err
+    assert "claims: passive: True: is refuted" in process.err
     assert "unique yes undecided does not apply" in " ".join(stribeck(*law).out.split())
     slow = json.loads(stribeck(*law, "--v-max", "0.5", "--json").out)
     assert slow["claims"]["passive"]["holds"] is True
 
 
 def test_a_claim_of_a_law_without_z_is_proved(stribeck, tmp_path):
-    found = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
-    assert json.loads(found.out)["claims"]["passive"]["holds"] is True
-    assert "refuted" not in found.err
+    process = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
+    assert json.loads(process.out)["claims"]["passive"]["holds"] is True
+    assert "refuted" not in process.err

@@ -11,17 +11,17 @@ from tests.simulation.rig import needs_compiler
 needs_scripts = pytest.mark.skipif(os.name != "posix", reason="needs scripts that run")
 
 
-def told(stribeck):
-    found = stribeck("doctor", "--json")
-    assert found.err == ""
-    return found.status, json.loads(found.out)
+def reported(stribeck):
+    process = stribeck("doctor", "--json")
+    assert process.err == ""
+    return process.status, json.loads(process.out)
 
 
 @pytest.fixture
 def compiler(tmp_path, monkeypatch):
     """A compiler that answers to --version with these bytes in octal, at a path with a blank."""
 
-    def made(answer):
+    def built(answer):
         path = tmp_path / "my compilers" / "cc"
         path.parent.mkdir()
         path.write_text(f'#!/bin/sh\nif [ "$1" = --version ]; then {answer}; exit; fi\nexec cc "$@"\n')
@@ -29,7 +29,7 @@ def compiler(tmp_path, monkeypatch):
         monkeypatch.setenv("STRIBECK_CC", str(path))
         return str(path)
 
-    return made
+    return built
 
 
 @needs_compiler
@@ -38,17 +38,17 @@ def test_a_healthy_installation_passes(stribeck, tmp_path, monkeypatch):
     monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path))
     assert "0 systems" in stribeck("doctor").out  # before the self-test's
-    status, found = told(stribeck)
-    assert (status, found["backend"], found["self_test"]["passed"]) == (0, "c", True)
-    assert found["self_test"]["deviation"] < 1e-6
-    assert found["compiler"]["version"]
-    said, cache, test = " ".join(stribeck("doctor").out.split()), found["cache"], found["self_test"]
+    status, outcome = reported(stribeck)
+    assert (status, outcome["backend"], outcome["self_test"]["passed"]) == (0, "c", True)
+    assert outcome["self_test"]["deviation"] < 1e-6
+    assert outcome["compiler"]["version"]
+    text, cache, test = " ".join(stribeck("doctor").out.split()), outcome["cache"], outcome["self_test"]
     for words in (
-        f"{found['compiler']['command']}: {found['compiler']['version']}", "backend C cache",
+        f"{outcome['compiler']['command']}: {outcome['compiler']['version']}", "backend C cache",
         f", writable, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB", "self-test passed: ",
-        f"{test['deviation']:.1e} of the peaks from {test['against']}", f"numpy {found['packages']['numpy']}",
+        f"{test['deviation']:.1e} of the peaks from {test['against']}", f"numpy {outcome['packages']['numpy']}",
     ):  # fmt: skip
-        assert words in said
+        assert words in text
     assert cache["writable"]
     assert cache["systems"]
 
@@ -57,14 +57,14 @@ def test_a_cache_that_cannot_be_written_is_said(stribeck, tmp_path, monkeypatch)
     (tmp_path / "file").touch()
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "file"))
     monkeypatch.setenv("STRIBECK_BACKEND", "wasm")
-    assert told(stribeck)[1]["cache"]["writable"] is False
+    assert reported(stribeck)[1]["cache"]["writable"] is False
     assert "NOT writable: every process compiles anew, 0 systems, 0.0 MB" in " ".join(stribeck("doctor").out.split())
 
 
 def test_without_a_compiler_it_says_what_solves(stribeck, monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
-    status, found = told(stribeck)
-    assert (status, found["backend"], found["compiler"]["command"]) == (0, "wasm", None)
+    status, outcome = reported(stribeck)
+    assert (status, outcome["backend"], outcome["compiler"]["command"]) == (0, "wasm", None)
     assert "none: WebAssembly solves" in stribeck("doctor").out
 
 
@@ -76,8 +76,8 @@ def test_without_a_compiler_it_says_what_solves(stribeck, monkeypatch):
 )
 def test_a_compiler_with_a_blank_in_its_path_and_a_version_that_is_no_text(stribeck, compiler, answer, version):
     path = compiler(answer)
-    status, found = told(stribeck)
-    assert (status, found["compiler"]["command"], found["compiler"]["version"]) == (0, path, version)
+    status, outcome = reported(stribeck)
+    assert (status, outcome["compiler"]["command"], outcome["compiler"]["version"]) == (0, path, version)
 
 
 @needs_compiler
@@ -91,14 +91,14 @@ def test_a_solver_that_errs_fails(stribeck, monkeypatch):
 
     monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
     monkeypatch.setattr(wasm, "solve", erring)
-    status, found = told(stribeck)
-    assert (status, found["self_test"]["passed"], found["self_test"]["reason"]) == (1, False, None)
-    assert found["self_test"]["deviation"] == pytest.approx(1e-3, rel=1e-2)
+    status, outcome = reported(stribeck)
+    assert (status, outcome["self_test"]["passed"], outcome["self_test"]["reason"]) == (1, False, None)
+    assert outcome["self_test"]["deviation"] == pytest.approx(1e-3, rel=1e-2)
 
 
 def test_what_cannot_be_found_out_is_a_line_and_not_the_end(stribeck, monkeypatch):
     monkeypatch.setenv("STRIBECK_BACKEND", "zig")
-    status, found = told(stribeck)
-    assert (status, found["backend"]) == (1, None)
-    assert found["self_test"]["reason"] == "InputError: STRIBECK_BACKEND: 'zig': must be auto, c or wasm"
+    status, outcome = reported(stribeck)
+    assert (status, outcome["backend"]) == (1, None)
+    assert outcome["self_test"]["reason"] == "InputError: STRIBECK_BACKEND: 'zig': must be auto, c or wasm"
     assert "self-test FAILED: InputError" in stribeck("doctor").out

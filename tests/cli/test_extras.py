@@ -63,10 +63,10 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     ((status, _, err),) = commands(tmp_path, (*words, "out"))
     assert status == 0
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"trajectory.csv", "summary.json"}
-    said = err.splitlines()
-    assert len(said) == 2
-    assert said[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[plot]')"
-    assert said[1].endswith("(pip install 'stribeck[plot]')")
+    message = err.splitlines()
+    assert len(message) == 2
+    assert message[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[plot]')"
+    assert message[1].endswith("(pip install 'stribeck[plot]')")
     assert commands(tmp_path, (*words, "full"), blocked=())[0][2] == ""
     base_table, full_table = (
         list(csv.reader((tmp_path / name / "trajectory.csv").read_text().splitlines())) for name in ("out", "full")
@@ -77,8 +77,8 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
 
 def test_a_missing_package_is_one_line_that_names_its_extra(tmp_path):
     (tmp_path / "log.csv").write_text("t,y,F\n0,0,1\n")
-    found = commands(tmp_path, *(words for words, _ in NEED_MORE))
-    for (words, extra), (status, out, err) in zip(NEED_MORE, found, strict=True):
+    result = commands(tmp_path, *(words for words, _ in NEED_MORE))
+    for (words, extra), (status, out, err) in zip(NEED_MORE, result, strict=True):
         assert (status, out) == (2, ""), words
         assert len(err.splitlines()) == 1, words
         assert err.rstrip().endswith(f"pip install 'stribeck[{extra}]'"), words
@@ -95,8 +95,8 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
     except MissingExtra as error:
         print(error)
 """
-    found = base(code, tmp_path)
-    assert re.sub("fit needs [a-z]+", "fit needs scipy", found.stdout).splitlines() == [
+    result = base(code, tmp_path)
+    assert re.sub("fit needs [a-z]+", "fit needs scipy", result.stdout).splitlines() == [
         "to_pandas() needs pandas: pip install 'stribeck[plot]'",
         "stribeck.fit needs scipy: pip install 'stribeck[fit]'",
         "a proof needs flint: pip install 'stribeck[fit]'",

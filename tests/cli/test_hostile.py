@@ -28,9 +28,9 @@ def refused(outcome, *parts):
 def test_a_smooth_sign_as_steep_as_numbers_go(stribeck, scenario, choice, k_v):
     """m(v) is |v| then, and it was an OverflowError."""
     words = ("--set", "law.name=lugre_majorant", "--set", f"law.smooth_abs={choice}", "--set", f"law.k_v={k_v!r}")
-    found = json.loads(stribeck("run", scenario, *words, "--set", "solve.t_end=2.0", "--json").out)
+    document = json.loads(stribeck("run", scenario, *words, "--set", "solve.t_end=2.0", "--json").out)
     other = json.loads(stribeck("run", scenario, "--set", "law.name=lugre", "--set", "solve.t_end=2.0", "--json").out)
-    assert found["final"]["z"] == pytest.approx(other["final"]["z"], rel=1e-6)
+    assert document["final"]["z"] == pytest.approx(other["final"]["z"], rel=1e-6)
 
 
 def test_waves_that_no_step_can_follow(stribeck, scenario):
@@ -53,16 +53,16 @@ def test_waves_that_no_step_can_follow(stribeck, scenario):
 def test_pipes_by_name_are_not_waited_for(stribeck, scenario, tmp_path):
     for name in ("pipe.toml", "pipe.csv", "pipe.parquet", "pipe.py"):
         os.mkfifo(tmp_path / name)
-    said = "must be a file, not a pipe or a device"
-    refused(stribeck("run", tmp_path / "pipe.toml"), said)
-    refused(stribeck("run", scenario, "--set", "law.parameters=pipe.toml"), said)
-    refused(stribeck("run", scenario, "--set", "law.name=pipe.py:X"), said)
+    message = "must be a file, not a pipe or a device"
+    refused(stribeck("run", tmp_path / "pipe.toml"), message)
+    refused(stribeck("run", scenario, "--set", "law.parameters=pipe.toml"), message)
+    refused(stribeck("run", scenario, "--set", "law.name=pipe.py:X"), message)
     for name in ("pipe.csv", "pipe.parquet"):
         signal = f'drive.signal={{kind="file",path="{name}",time="t",value="u"}}'
-        refused(stribeck("run", scenario, "--set", signal), "drive.signal.path", said)
-    refused(stribeck("run", "/dev/zero"), said)
+        refused(stribeck("run", scenario, "--set", signal), "drive.signal.path", message)
+    refused(stribeck("run", "/dev/zero"), message)
     os.mkfifo(tmp_path / "fit.json")
-    refused(stribeck("predict", "log.csv", "--fit", tmp_path), "--fit", "fit.json", said)
+    refused(stribeck("predict", "log.csv", "--fit", tmp_path), "--fit", "fit.json", message)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
@@ -221,6 +221,6 @@ def test_a_library_that_cannot_be_loaded(stribeck, scenario, monkeypatch):
         raise ImportError("x.so: failed to map segment from shared object")
 
     monkeypatch.setattr("stribeck.cli.options.load_scenario", missing)
-    found = stribeck("run", scenario)
-    assert (found.status, found.out) == (1, "")
-    assert found.err == "stribeck: a library cannot be loaded: x.so: failed to map segment from shared object\n"
+    process = stribeck("run", scenario)
+    assert (process.status, process.out) == (1, "")
+    assert process.err == "stribeck: a library cannot be loaded: x.so: failed to map segment from shared object\n"

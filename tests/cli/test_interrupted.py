@@ -179,10 +179,10 @@ def test_no_input_is_replaced(stribeck, tmp_path, monkeypatch, words):
     (tmp_path / "machine.toml").write_bytes(examples.path("machine").read_bytes())
     (tmp_path / "logs.toml").write_text("")
     before = content(tmp_path)
-    found = stribeck(*words.split())
-    assert (found.status, found.out) == (2, "")
-    assert "machine.toml" in found.err
-    assert found.err.rstrip().endswith(("must be another folder", "must be another file"))
+    result = stribeck(*words.split())
+    assert (result.status, result.out) == (2, "")
+    assert "machine.toml" in result.err
+    assert result.err.rstrip().endswith(("must be another folder", "must be another file"))
     assert content(tmp_path) == before
 
 
@@ -258,8 +258,8 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
         assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
     assert content(tmp_path / "out") == before
     monkeypatch.setattr("stribeck.mouth.page.write", _ends)  # without room for the page the results are there
-    found = stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked)
-    assert (found.status, "without the page: No space left" in found.err) == (0, True)
+    result = stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked)
+    assert (result.status, "without the page: No space left" in result.err) == (0, True)
     assert "report.html" not in content(tmp_path / "out")
 
 
@@ -334,15 +334,15 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(stribeck, tmp_path,
     monkeypatch.setattr(pages, "write", _stopped)
     kept_logs.write("log.csv", tmp_path / "log.csv")
     words = ("--law", "coulomb_viscous", "--no-forms", "--out", tmp_path / "out")
-    told = stribeck("fit", tmp_path / "log.csv", *COLUMNS, *words)
-    assert told.status == 130
-    assert "F_c" in told.out
-    assert "interrupted" in told.err
+    reported = stribeck("fit", tmp_path / "log.csv", *COLUMNS, *words)
+    assert reported.status == 130
+    assert "F_c" in reported.out
+    assert "interrupted" in reported.err
     assert content(tmp_path / "out").keys() == {"parameters.toml", "fit.json"}  # written before the page is drawn
     record(tmp_path / "run.csv", body(amplitude=5.0))
     path = logs(tmp_path, ["run.csv"], {"bodies.a.mass": {"low": 0.2, "high": 5.0}})
     (tmp_path / "axis.toml").write_text(tomli_w.dumps(body()))
-    told = stribeck("fit", tmp_path / "axis.toml", "--logs", path, "--starts", "1", "--out", tmp_path / "machine")
-    assert told.status == 130
-    assert "bodies.a.mass" in told.out
+    reported = stribeck("fit", tmp_path / "axis.toml", "--logs", path, "--starts", "1", "--out", tmp_path / "machine")
+    assert reported.status == 130
+    assert "bodies.a.mass" in reported.out
     assert content(tmp_path / "machine").keys() == {"parameters.toml", "fit.json", "machine.toml"}

@@ -24,10 +24,10 @@ def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
     one_way = written(
         tmp_path / "one_way.csv", t, 0.1 * t - 0.02 * np.cos(3 * t), -1 - 3 * (0.1 + 0.06 * np.sin(3 * t))
     )
-    found = stribeck("fit", one_way, *COLUMNS, "--law", "coulomb_viscous", "--law", "stribeck")
-    assert found.status == 0, found.err
-    assert re.search(r"F_c\s+\S.* not identifiable", found.out)  # a wide table has the names above their rows
-    assert "in both directions" in found.out
+    process = stribeck("fit", one_way, *COLUMNS, "--law", "coulomb_viscous", "--law", "stribeck")
+    assert process.status == 0, process.err
+    assert re.search(r"F_c\s+\S.* not identifiable", process.out)  # a wide table has the names above their rows
+    assert "in both directions" in process.out
 
 
 @pytest.mark.thorough

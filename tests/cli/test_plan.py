@@ -34,8 +34,8 @@ def test_the_program_stays_within_the_limits(stribeck):
 def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
     out = tmp_path / "rig"
     words = ("--simulate", "--law", "dahl", "--seed", 3, "--out", out)
-    made = stribeck("fit", "--plan", f"{LIMITS},deflection=1e-5", *words)
-    assert made.status == 0
+    process = stribeck("fit", "--plan", f"{LIMITS},deflection=1e-5", *words)
+    assert process.status == 0
     truth = tomllib.loads((out / "synthetic_truth.toml").read_text())
     assert "SYNTHETIC" in truth["title"]
     columns = ("--time", "time", "--position", "position", "--force", "force", "--mass", 0)

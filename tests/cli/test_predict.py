@@ -34,15 +34,15 @@ def test_a_friction_that_is_all_by_load_predicts(stribeck, tmp_path):
     force = 2 * np.gradient(v, 2e-3) + 0.2 * load * np.sign(v) - 0.5 * np.sign(v) + 0.1 * rng.standard_normal(len(t))
     rows = (",".join(map(repr, row)) for row in zip(*(x.tolist() for x in (t, v, force, load)), strict=True))
     (tmp_path / "log.csv").write_text("t,v,F,N\n" + "\n".join(rows))
-    told = stribeck(
+    process = stribeck(
         "fit", tmp_path / "log.csv", "--law", "stribeck", *COLUMNS, "--load", "N", "--out", tmp_path / "out"
     )
-    assert told.status == 0, told.err
+    assert process.status == 0, process.err
     used = json.loads((tmp_path / "out" / "fit.json").read_text())["values"]
     assert 0 < used["F_c"] == used["F_s"] < 1e-7
-    found = stribeck("predict", tmp_path / "log.csv", "--fit", tmp_path / "out", "--json")
-    assert found.status == 0, found.err
-    assert json.loads(found.out)["relative_force_error"] < 0.05
+    result = stribeck("predict", tmp_path / "log.csv", "--fit", tmp_path / "out", "--json")
+    assert result.status == 0, result.err
+    assert json.loads(result.out)["relative_force_error"] < 0.05
 
 
 @pytest.mark.parametrize(
@@ -52,19 +52,19 @@ def test_a_friction_that_is_all_by_load_predicts(stribeck, tmp_path):
 def test_a_folder_without_a_fit_is_refused_in_a_line(stribeck, fitted, tmp_path, content, said):
     if content is not None:
         (tmp_path / "fit.json").write_text(content)
-    found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path, *COLUMNS)
-    assert (found.status, found.out) == (2, "")
-    assert said in found.err
-    assert found.err.startswith("--fit: ")
-    assert len(found.err.strip().splitlines()) == 1
+    process = stribeck("predict", fitted / "train.csv", "--fit", tmp_path, *COLUMNS)
+    assert (process.status, process.out) == (2, "")
+    assert said in process.err
+    assert process.err.startswith("--fit: ")
+    assert len(process.err.strip().splitlines()) == 1
 
 
 def test_a_record_at_rest_is_refused_in_a_line(stribeck, fitted, tmp_path):
     """It was a traceback: the curve was tabled up to the fastest speed."""
     (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},0.0,{i % 7}\n" for i in range(400)))
-    found = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
-    assert (found.status, found.out) == (2, "")
-    assert found.err.endswith("the body rests throughout: there is nothing to predict\n")
+    process = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
+    assert (process.status, process.out) == (2, "")
+    assert process.err.endswith("the body rests throughout: there is nothing to predict\n")
 
 
 def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, tmp_path):
@@ -83,9 +83,9 @@ def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, t
     done = stribeck("predict", tmp_path / "log.csv", "--machine", scenario, "--time", "t", "--position", "y", "--json")
     assert done.status == 0, done.err
     assert "the recorded drive ends at 1.99 s: what comes after is not compared" in done.err
-    found = json.loads(done.out)
-    assert found["rows"] == 200
-    assert found["errors"]["position"]["relative"] < 1e-6
+    document = json.loads(done.out)
+    assert document["rows"] == 200
+    assert document["errors"]["position"]["relative"] < 1e-6
 
 
 def leaves(data, path=()):
@@ -110,9 +110,9 @@ def test_a_fit_s_file_that_was_changed_is_refused_in_a_line(stribeck, fitted, tm
                 Fit.load(tmp_path)
     for more in ('"x": ' + "[" * 900 + "]" * 900, '"law": "dahl"'):  # of two of a name the last counts
         (tmp_path / "fit.json").write_text(f"{text.rstrip()[:-1]}, {more}}}")
-        found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
-        assert (found.status, found.out, len(found.err.splitlines())) == (2, "", 1)
-        assert "was changed" in found.err
+        process = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
+        assert (process.status, process.out, len(process.err.splitlines())) == (2, "", 1)
+        assert "was changed" in process.err
     (tmp_path / "fit.json").write_text(json.dumps(dict(reversed(json.loads(text).items()))))
     assert Fit.load(tmp_path).law_name == Fit.load(fitted / "out").law_name
 
@@ -123,14 +123,14 @@ def test_a_strangers_fit_executes_no_law_from_elsewhere(stribeck, fitted, tmp_pa
         (tmp_path / name).mkdir()
     mine = "from pathlib import Path\nfrom stribeck.laws.static import CoulombViscous as Mine\n"
     (tmp_path / "away" / "mine.py").write_text(f"{mine}Path(r'{tmp_path}', 'executed').touch()\n")
-    told = json.loads((fitted / "out" / "fit.json").read_text())
-    del told["digest"]
+    document = json.loads((fitted / "out" / "fit.json").read_text())
+    del document["digest"]
     monkeypatch.chdir(tmp_path / "here")
     for law in (f"{tmp_path}/away/mine.py:Mine", "../away/mine.py:Mine"):
-        (tmp_path / "fit" / "fit.json").write_text(text_with_digest({**told, "law": law}))
-        found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit")
-        assert (found.status, found.out) == (2, "")
-        assert all(word in found.err for word in ("would be executed", "--trust"))
+        (tmp_path / "fit" / "fit.json").write_text(text_with_digest({**document, "law": law}))
+        process = stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit")
+        assert (process.status, process.out) == (2, "")
+        assert all(word in process.err for word in ("would be executed", "--trust"))
         assert not (tmp_path / "executed").exists()
     stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit", "--trust")
     assert (tmp_path / "executed").exists()

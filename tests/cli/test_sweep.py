@@ -186,12 +186,12 @@ def test_what_somebody_else_put_into_the_folder(stribeck, scenario, tmp_path, sm
         assert mine.read_bytes() == b"mine"
     for name in ("part-000003.parquet", "part-000001.csv"):
         (out / name).write_bytes(b"")
-        found = stribeck(*words)
-        assert (found.status, found.err.count("\n")) == (2, 1)
-        assert f"holds {name}, which is no part of this sweep" in found.err
+        answer = stribeck(*words)
+        assert (answer.status, answer.err.count("\n")) == (2, 1)
+        assert f"holds {name}, which is no part of this sweep" in answer.err
         (out / name).unlink()
     for text in ("", "{", "[]"):
         (out / "_manifest.json").write_text(text)
-        found = stribeck(*words)
-        assert (found.status, found.err.count("\n")) == (2, 1)
-        assert "_manifest.json in it is damaged" in found.err
+        answer = stribeck(*words)
+        assert (answer.status, answer.err.count("\n")) == (2, 1)
+        assert "_manifest.json in it is damaged" in answer.err

@@ -27,8 +27,8 @@ def test_completion_is_installed(shell, tmp_path):
     # the variable names the shell in the place of looking at the process that started this one
     environment = {**os.environ, "HOME": str(tmp_path), "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
     command = [sys.executable, "-m", "stribeck", "--install-completion", shell]
-    found = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert found.returncode == 0
+    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert process.returncode == 0
     scripts = [path.read_text() for path in tmp_path.rglob("*") if path.is_file() and "stribeck" in path.name]
     assert len(scripts) == 1
     assert f"complete_{shell}" in scripts[0]
@@ -36,10 +36,10 @@ def test_completion_is_installed(shell, tmp_path):
 
 def test_completion_knows_the_commands(tmp_path):
     environment = {**os.environ, "_STRIBECK_COMPLETE": "complete_bash", "COMP_WORDS": "stribeck sw", "COMP_CWORD": "1"}
-    found = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "stribeck"], env=environment, capture_output=True, text=True, check=False
     )
-    assert found.stdout.split() == ["sweep"]
+    assert process.stdout.split() == ["sweep"]
 
 
 def test_progress_moves_though_nothing_is_told(monkeypatch):
@@ -113,8 +113,8 @@ def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
 
 
 def test_a_terminal_of_ascii_alone():
-    found = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-m", "stribeck", "library", "lugre"], capture_output=True, check=True,
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
     ).stdout.decode("ascii")  # fmt: skip
-    assert r"F = \u03c3\u2080 z" in found
+    assert r"F = \u03c3\u2080 z" in result

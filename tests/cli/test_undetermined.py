@@ -51,11 +51,11 @@ def test_python_allows_it_too(fitted):
 def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_path, monkeypatch):
     from contextlib import contextmanager
 
-    told = []
+    texts = []
 
     def tell(share):
-        told.append(share)
-        if len(told) == 12:
+        texts.append(share)
+        if len(texts) == 12:
             raise KeyboardInterrupt
 
     @contextmanager

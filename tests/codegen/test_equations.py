@@ -58,8 +58,8 @@ def graph_functions(system):
         return np.array(f(*parameters(system), *PIECE, t, *x), float)
 
     def derivatives(t, x):
-        found = jacobian(*parameters(system), *PIECE, t, *x)
-        return np.array(found, float).reshape(n, n + 1)
+        result = jacobian(*parameters(system), *PIECE, t, *x)
+        return np.array(result, float).reshape(n, n + 1)
 
     return values, derivatives
 

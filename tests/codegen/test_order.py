@@ -64,8 +64,8 @@ def exact(scenario, times):
     force_of = independent.friction(table["law"]["name"], independent.constants(table))
     body, line = independent._body(table, force_of), independent.signal(table["drive"]["signal"], END)[1](0)
     start = np.array(independent._start(table), float)
-    found = solve_ivp(lambda t, x: body(line(t), x), (0, END), start, "DOP853", times, rtol=3e-14, atol=1e-15)
-    x = found.y.T
+    solution = solve_ivp(lambda t, x: body(line(t), x), (0, END), start, "DOP853", times, rtol=3e-14, atol=1e-15)
+    x = solution.y.T
     return x if scenario.law.has_z else np.delete(x, 2, axis=1)
 
 
@@ -80,8 +80,8 @@ def test_order_of_the_method(drive, tmp_path):
     library, counts, errors = compiled(scenario.system, tmp_path), np.array([64, 90, 128, 180, 256]), []
     for n in counts:
         times = (np.arange(n) + 1) * END / n
-        found = steps(library, scenario, END / n, int(n), inside=1.0)
-        errors.append(np.max(np.abs(found - exact(scenario, times))))
+        result = steps(library, scenario, END / n, int(n), inside=1.0)
+        errors.append(np.max(np.abs(result - exact(scenario, times))))
     assert slope(1 / counts, errors) == pytest.approx(5, abs=0.2)
 
 
@@ -92,8 +92,8 @@ def test_order_of_the_dense_output(drive, tmp_path):
     library, lengths, errors = compiled(scenario.system, tmp_path), 0.05 / 2.0 ** np.arange(4), []
     shares = np.array([0.2, 0.4, 0.6, 0.8])
     for h in lengths:
-        found = [steps(library, scenario, h, 1, inside=s)[0] for s in shares]
-        errors.append(np.max(np.abs(found - exact(scenario, shares * h))))
+        results = [steps(library, scenario, h, 1, inside=s)[0] for s in shares]
+        errors.append(np.max(np.abs(results - exact(scenario, shares * h))))
     assert slope(lengths, errors) - 1 == pytest.approx(4, abs=0.2)
 
 

@@ -35,8 +35,8 @@ def test_compiles_without_a_warning(law, form, tmp_path):
     commands = [["-fsyntax-only", *files], ["-c", "-o", whole.with_suffix(".o"), whole]]
     for command in commands:
         words = [*compiler.find().command, *STRICT, *command]
-        found = subprocess.run(words, capture_output=True, text=True, check=False)
-        assert found.returncode == 0, found.stderr
+        process = subprocess.run(words, capture_output=True, text=True, check=False)
+        assert process.returncode == 0, process.stderr
 
 
 @pytest.mark.share(10)
@@ -49,8 +49,8 @@ def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
     for file, system in zip(files, every, strict=True):
         file.write_text(source(system, lanes=4))
     words = [*compiler.find().command, *STRICT, "-Wno-psabi", "-fsyntax-only", *files]
-    found = subprocess.run(words, capture_output=True, text=True, check=False)
-    assert found.returncode == 0, found.stderr
+    process = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert process.returncode == 0, process.stderr
 
 
 @pytest.mark.share(20)
@@ -131,28 +131,28 @@ def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
 
 def test_evaluation_beside_builds():
     """Building code in some threads while another evaluates the same equations on arrays: neither meets the other's names."""
-    found = law("lugre_majorant", parameters="canudas1995", k_v=1e6)
+    result = law("lugre_majorant", parameters="canudas1995", k_v=1e6)
     v, z = np.linspace(-0.1, 0.1, 500), np.linspace(-1e-5, 1e-5, 500)
-    expected, went_wrong, done = found.force(v, z), [], threading.Event()
+    expected, went_wrong, done = result.force(v, z), [], threading.Event()
 
     def evaluate():
         try:
             while not done.is_set():
-                if not np.array_equal(found.force(v, z), expected):
+                if not np.array_equal(result.force(v, z), expected):
                     went_wrong.append("another force")
         except Exception as error:
             went_wrong.append(error)
 
     def build(chosen):
         try:
-            texts.append([source.__wrapped__(system) for system in systems(type(found), chosen)])
-            equations(type(found), chosen)
+            texts.append([source.__wrapped__(system) for system in systems(type(result), chosen)])
+            equations(type(result), chosen)
         except Exception as error:
             went_wrong.append(error)
 
-    alone = [source.__wrapped__(system) for system in systems(type(found), found.form)]
+    alone = [source.__wrapped__(system) for system in systems(type(result), result.form)]
     texts = []
-    builders = [threading.Thread(target=build, args=(found.form,)) for _ in range(4)]
+    builders = [threading.Thread(target=build, args=(result.form,)) for _ in range(4)]
     evaluator = threading.Thread(target=evaluate)
     for thread in (evaluator, *builders):
         thread.start()
@@ -233,10 +233,10 @@ def test_long_functions_in_parts_give_the_same_numbers(monkeypatch, tmp_path):
     assert len(re.findall(r"^static NOINLINE void rates_\d+\(", text, re.MULTILINE)) > 3
     file = tmp_path / "parts.c"
     file.write_text(text)
-    found = subprocess.run(
+    process = subprocess.run(
         [*compiler.find().command, *STRICT, "-fsyntax-only", file], capture_output=True, text=True, check=False
     )
-    assert found.returncode == 0, found.stderr
+    assert process.returncode == 0, process.stderr
     cut = simulate(scenario)
     source.cache_clear()
     assert cut.stats["built"]

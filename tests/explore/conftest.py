@@ -18,7 +18,7 @@ def scenario():
 
 
 @pytest.fixture(scope="session")
-def made(scenario, tmp_path_factory):
+def built(scenario, tmp_path_factory):
     pytest.importorskip("bokeh")
     # two runs of one tolerance agree as far as that goes: at the usual 1e-8 F to some 4e-9 of its peak
     return explore(scenario, tmp_path_factory.mktemp("page") / "page.html", LAWS, "stribeck explore stick_slip.toml")

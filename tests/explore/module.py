@@ -60,21 +60,21 @@ class Module:
         n, pieces, p = len(self.law["states"]), scenario.pieces(), self.values(scenario)
         setup = self.room(8 * (n + 2))
         self.call("system_setup", p, scenario.solve.rtol, setup)
-        found = self.read(setup, n + 2)
+        result = self.read(setup, n + 2)
         out, room = self.room(8 * scenario.rows * n), 4096
         run = self.put(np.zeros(self.layout["_size"][0], np.int8), np.int8)
         start, rows = self.put(pieces.start), self.put(pieces.rows)
         one = self.put([0.0])
         start_values = [scenario.initial.get(s, 0.0) for s in self.law["states"]]
         fields = {
-            "parameters": p, "x": self.put(start_values), "atol": self.put(found[:n]),
+            "parameters": p, "x": self.put(start_values), "atol": self.put(result[:n]),
             "fixed_atol": self.put(np.zeros(n)), "atol_now": self.put(np.zeros(n)),
             "piece_start": start, "piece_rows": rows, "out": out, "event_time": self.put(np.zeros(room)),
             "thresholds": self.put([*scenario.elements.thresholds(), 0.0]),
             "held": one, "memory": one, "queue": one, "noise": one,
             "piece_restart": self.put(pieces.restart, np.int8), "event_what": self.put(np.zeros(room, np.int32), np.int32),
-            "sampled": one, "acted": one, "rtol": found[n] * scenario.solve.rtol, "step": scenario.output.step,
-            "h": np.inf, "h_smallest": np.inf, "h_limit": found[n + 1], "queue_room": 1, "pieces": len(pieces.start),
+            "sampled": one, "acted": one, "rtol": result[n] * scenario.solve.rtol, "step": scenario.output.step,
+            "h": np.inf, "h_smallest": np.inf, "h_limit": result[n + 1], "queue_room": 1, "pieces": len(pieces.start),
             "rows": scenario.rows, "event_room": room, "t_end": scenario.end, "restart": 1, "attempts_left": 10**7,
         }  # fmt: skip
         for name, value in fields.items():

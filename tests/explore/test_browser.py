@@ -28,9 +28,9 @@ def browser():
     ):
         options.add_argument(word)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    found = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield found
-    found.quit()
+    result = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield result
+    result.quit()
 
 
 @pytest.fixture
@@ -67,8 +67,8 @@ def same_as_run(browser, scenario):
     for name, peak in solution.peaks.items():
         shown = np.array(browser.execute_script(f"return Array.from(window.stribeck.result.columns['{name}'])"))
         assert np.max(abs(shown - solution[name])) <= 1e-9 * peak, name
-    told = browser.execute_script("return window.stribeck.result.events")
-    slips = [t for t, what in told if not what & 1]
+    reported = browser.execute_script("return window.stribeck.result.events")
+    slips = [t for t, what in reported if not what & 1]
     assert slips == pytest.approx(solution.events["slip"].tolist(), abs=1e-6)
 
 
@@ -101,8 +101,8 @@ def test_a_chart_tells_its_values_by_keyboard(page, scenario):
         f"t {last.t[-1]:.3g} s: y position {last['y'][-1]:.3g} m, x spring's end {last['x'][-1]:.3g} m"
     )
     ActionChains(page).key_down(Keys.SHIFT).send_keys(Keys.ARROW_LEFT * 100).key_up(Keys.SHIFT).perform()
-    told = page.find_element("id", "reading").text
-    assert told.startswith(f"t {last.t[-101]:.3g} s: y position {last['y'][-101]:.3g} m")
+    reported = page.find_element("id", "reading").text
+    assert reported.startswith(f"t {last.t[-101]:.3g} s: y position {last['y'][-101]:.3g} m")
     ActionChains(page).send_keys(Keys.ESCAPE).perform()
     assert not page.find_element("id", "reading").is_displayed()
     assert [e for e in page.get_log("browser") if e["level"] == "SEVERE"] == []
@@ -126,8 +126,8 @@ def test_a_machine_moves_with_its_numbers(browser, tmp_path):
     for name, peak in solution.peaks.items():
         shown = np.array(browser.execute_script(f"return Array.from(window.stribeck.result.columns['{name}'])"))
         assert np.max(abs(shown - solution[name])) <= 1e-9 * peak, name
-    told = browser.execute_script("return ['slip', 'stick'].map(k => happened(window.stribeck.result, 'sole', k))")
-    for times, kind in zip(told, ("slip", "stick"), strict=True):
+    reported = browser.execute_script("return ['slip', 'stick'].map(k => happened(window.stribeck.result, 'sole', k))")
+    for times, kind in zip(reported, ("slip", "stick"), strict=True):
         assert times == pytest.approx(solution.events["sole"][kind].tolist(), abs=1e-6)
     browser.execute_script("window.stribeck.set(arguments[0], 1.0)", path)
     settle(browser)
@@ -282,10 +282,10 @@ def test_curves_follow_a_slider_that_does_not_rest_and_the_charts_follow_when_it
         0.603,
     ):  # to 1.6 times the peak; axes follow one by one
         move(page, "law.parameters.F_s", share)
-    found = page.execute_script(_PIXELS, "velocity", "v")
-    assert found["inside"]
-    assert not found["hidden"]
-    assert any(abs(r - 0x1B) < 60 and abs(g - 0x87) < 60 and abs(b - 0xC9) < 60 for r, g, b in found["colours"])
+    result = page.execute_script(_PIXELS, "velocity", "v")
+    assert result["inside"]
+    assert not result["hidden"]
+    assert any(abs(r - 0x1B) < 60 and abs(g - 0x87) < 60 and abs(b - 0xC9) < 60 for r, g, b in result["colours"])
     page.execute_script("draw(window.stribeck.result)")
     settle(page)
     time.sleep(0.3)

@@ -26,12 +26,12 @@ def test_the_page_stands_alone_and_is_small(made, data):
 def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
     out = tmp_path / "mine.html"
     name = "{{ script }} {{ version }} </script>"  # what fills the page is data, and not a part of its text
-    found = stribeck(
+    process = stribeck(
         "explore", examples.path("stick_slip"), "--set", "law.name=lugre_majorant", "--law", "lugre", "--out", out,
         "--set", f"name={name}",
     )  # fmt: skip
-    assert (found.status, found.err) == (0, "")
-    assert "open" in found.out
+    assert (process.status, process.err) == (0, "")
+    assert "open" in process.out
     text = out.read_text()
     assert f"<h1>{html.escape(name)}</h1>" in text
     data = json.loads(text.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
@@ -42,8 +42,8 @@ def test_a_law_in_a_file_is_seen_from_the_working_directory(stribeck, tmp_path, 
     law = (Path(__file__).parents[2] / "docs/howto/own-law.md").read_text(encoding="utf-8")
     (tmp_path / "mylaw.py").write_text(law.partition("```python\n")[2].partition("```")[0], encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    found = stribeck("explore", "mylaw.py:RootLuGre", "--law", "lugre", "--out", "page.html")
-    assert (found.status, found.err) == (0, "")
+    process = stribeck("explore", "mylaw.py:RootLuGre", "--law", "lugre", "--out", "page.html")
+    assert (process.status, process.err) == (0, "")
 
 
 def test_a_missing_extra_is_one_line(tmp_path):
@@ -56,6 +56,6 @@ def test_a_missing_extra_is_one_line(tmp_path):
 
 def test_a_name_that_no_file_can_have_is_no_law(stribeck):  # noqa: F811
     """It ended as a failure of the computer, "File name too long"."""
-    found = stribeck("explore", "a" * 300)
-    assert (found.status, found.out) == (2, "")
-    assert found.err.endswith("or FILE.py:NAME)\n")
+    process = stribeck("explore", "a" * 300)
+    assert (process.status, process.out) == (2, "")
+    assert process.err.endswith("or FILE.py:NAME)\n")

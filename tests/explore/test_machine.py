@@ -36,8 +36,8 @@ def page(request):
     usual = {"solve.rtol": 1e-10, "solve.t_end": 0.4}
     scenario = Scenario.load(examples.path(request.param), usual | CHANGES.get(request.param, {}))
     text = explorer_page(scenario, command="stribeck explore")
-    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
-    return scenario, json.loads(found), TURNED[request.param], len(text)
+    result = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
+    return scenario, json.loads(result), TURNED[request.param], len(text)
 
 
 def same(shown, solution):
@@ -58,25 +58,25 @@ def test_the_page_computes_what_run_computes(page):
 @pytest.mark.share(5)
 @pytest.mark.parametrize("name", ["belt", "arm", "gear", "machine", "servo", "piston"])
 def test_numbers_turned_together_do_what_the_file_says(name):
-    found = measured(Scenario(PISTON) if name == "piston" else Scenario.load(examples.path(name)))
-    numbers = [n for n in found.numbers if n.group not in ("solve", "output")]
+    result = measured(Scenario(PISTON) if name == "piston" else Scenario.load(examples.path(name)))
+    numbers = [n for n in result.numbers if n.group not in ("solve", "output")]
     values = {n.path: n.value + 0.05 * (n.high - n.value) for n in numbers}
     assert len(numbers) > 9
-    shown, told = moved(found.arrays, numbers, values), arrays_of(found.scenario.with_changes(values))
-    for array in set(told) - {"atol", "fixed_atol"}:  # which stays that of the file
-        assert shown[array] == pytest.approx(told[array], rel=1e-12, abs=1e-300), array
+    shown, reported = moved(result.arrays, numbers, values), arrays_of(result.scenario.with_changes(values))
+    for array in set(reported) - {"atol", "fixed_atol"}:  # which stays that of the file
+        assert shown[array] == pytest.approx(reported[array], rel=1e-12, abs=1e-300), array
 
 
 def test_the_numbers_of_a_set_have_sliders():
     path = "contacts.sole.law.parameters"
-    found = measured(Scenario.load(examples.path("belt"), {path: "canudas1995"}))
-    assert {f"{path}.{n}" for n in ("F_c", "F_s", "sigma_0", "v_s")} <= {number.path for number in found.numbers}
+    result = measured(Scenario.load(examples.path("belt"), {path: "canudas1995"}))
+    assert {f"{path}.{n}" for n in ("F_c", "F_s", "sigma_0", "v_s")} <= {number.path for number in result.numbers}
 
 
 def test_numbers_that_move_more_than_a_number_stay():
-    found = measured(Scenario.load(examples.path("arm"), {"controllers.axis.sampling.delay": 9e-4}))
-    free = {n.path for n in found.numbers}
+    result = measured(Scenario.load(examples.path("arm"), {"controllers.axis.sampling.delay": 9e-4}))
+    free = {n.path for n in result.numbers}
     assert "controllers.axis.signal.value.1" in free
-    assert {"controllers.axis.signal.t.0", "controllers.axis.signal.t.1"} <= set(found.fixed)  # other polynomials
+    assert {"controllers.axis.signal.t.0", "controllers.axis.signal.t.1"} <= set(result.fixed)  # other polynomials
     sampling = {f"controllers.axis.sampling.{n}" for n in ("period", "delay")}  # together they ask for a longer queue
-    assert len(sampling & free) == len(sampling & set(found.fixed)) == 1
+    assert len(sampling & free) == len(sampling & set(result.fixed)) == 1

@@ -20,9 +20,9 @@ from tests.explore.module import Module
 
 def module_of(scenario):
     """The module of a scenario that is on no page."""
-    made = with_functions(scenario.system, appendix(scenario))
+    built = with_functions(scenario.system, appendix(scenario))
     law = {
-        "wasm": b64encode(compress(made.module)), "shape": wasm.shape(made),
+        "wasm": b64encode(compress(built.module)), "shape": wasm.shape(built),
         "parameters": [".".join(x) for x in scenario.system.parameters],
         "states": [s.name for s in scenario.system.states], "columns": [{"name": c.name} for c in columns(scenario.system)],
     }  # fmt: skip
@@ -85,6 +85,6 @@ def test_a_law_takes_from_a_set_what_the_scenarios_own_law_has_not():
 def test_a_sine_moves_with_its_numbers():
     scenario = Scenario.load(examples.path("sine_force"), {"solve.rtol": 1e-10, "solve.t_end": 2.0})
     changed = scenario.with_changes({"drive.signal.frequency": 3.0, "drive.signal.amplitude": 1.4})
-    found, solution = module_of(scenario).run(changed), simulate(changed)
+    result, solution = module_of(scenario).run(changed), simulate(changed)
     for name, peak in solution.peaks.items():
-        assert np.max(abs(found[name] - solution[name])) <= 1e-9 * peak, name
+        assert np.max(abs(result[name] - solution[name])) <= 1e-9 * peak, name

@@ -22,13 +22,13 @@ from tests.scenario.valid_scenarios import VALID
     ],
 )
 def test_a_slider_goes_as_far_as_its_number_is_large(value, bounds, size, ends):
-    made = number_of("law", "F_c", value, Constant("N", "a force", **bounds), size, "law.F_c", reach=10.0)
-    assert (made.low, made.high, made.log) == pytest.approx(ends)
-    assert (made.path, made.value, made.unit) == ("law.F_c", value, "N")
+    built = number_of("law", "F_c", value, Constant("N", "a force", **bounds), size, "law.F_c", reach=10.0)
+    assert (built.low, built.high, built.log) == pytest.approx(ends)
+    assert (built.path, built.value, built.unit) == ("law.F_c", value, "N")
     for share in (1.0, 0.25):
-        narrow = _narrower(made, share * 10.0)
+        narrow = _narrower(built, share * 10.0)
         wanted = (
-            (value / (10 * share), value * 10 * share) if made.log else (value + share * (x - value) for x in ends[:2])
+            (value / (10 * share), value * 10 * share) if built.log else (value + share * (x - value) for x in ends[:2])
         )
         assert (narrow.low, narrow.high) == pytest.approx(tuple(wanted))
 

@@ -57,9 +57,9 @@ def disagreement(name, run, single):
     eps = EPS_FLOAT if single else EPS
     worst = 0.0
     for op, expected, by in (("r", chosen.rate(v, z), scale[0]), ("f", chosen.force(v, z), scale[1])):
-        status, found, _ = run(op, z, v)
+        status, result, _ = run(op, z, v)
         assert (status == 0).all()
-        worst = max(worst, np.max(abs(found - expected) / (eps * by + (1e-37 if single else 0) + 5e-324)))
+        worst = max(worst, np.max(abs(result - expected) / (eps * by + (1e-37 if single else 0) + 5e-324)))
     return worst
 
 
@@ -257,10 +257,10 @@ def test_steady_force(name, folder):
 @pytest.mark.parametrize("name", ["lugre_sobczyk", "lugre_majorant", "elastoplastic_majorant", "makkar"])
 def test_force_rate(name, folder):
     v, z = inputs(name, False, np.random.default_rng(4), n=200)
-    status, found, _ = program(name, folder)("d", z, v, 0.3)
+    status, result, _ = program(name, folder)("d", z, v, 0.3)
     assert (status == 0).all()
     expected = law(name).force_rate(v, z, 0.3)
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.max(abs(expected[abs(v) < 1])))
+    assert result == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.max(abs(expected[abs(v) < 1])))
 
 
 @pytest.mark.parametrize("name", ["lugre_sobczyk", "elastoplastic_majorant"])

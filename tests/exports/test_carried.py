@@ -76,7 +76,7 @@ def moved(value):
 def exported(data, target, part, folder):
     """The files by name with their bytes, FMUs unpacked, and every line that was said or refused."""
     words = {"contact": "mesh"} if part in ("law", "observer") else {"controller": "axis"} if part != "machine" else {}
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as message:
         warnings.simplefilter("always")
         try:
             files = stribeck.export(Scenario(data), target, folder, part=part, **words)
@@ -87,7 +87,7 @@ def exported(data, target, part, folder):
         (file,) = files
         with zipfile.ZipFile(file) as archive:
             content = {n: archive.read(n) for n in archive.namelist() if not n.startswith("binaries")}
-    return content, "\n".join(str(each.message) for each in said)
+    return content, "\n".join(str(each.message) for each in message)
 
 
 def keys(node, apart):
@@ -123,8 +123,8 @@ def not_carried(target, part, folder, inside, data=EVERY):
         if not name.startswith(inside) or path[-1] in STRUCTURE or (isinstance(value, str) and value not in OTHER):
             continue
         new = OTHER[value] if isinstance(value, str) else moved(value)
-        files, said = exported(with_value(data, path, new), target, part, folder / "changed")
-        if files == untouched and not any(name.startswith(word) for word in re.findall(r"[\w.]+\.\w+", said)):
+        files, message = exported(with_value(data, path, new), target, part, folder / "changed")
+        if files == untouched and not any(name.startswith(word) for word in re.findall(r"[\w.]+\.\w+", message)):
             lost.append(name)
     return lost
 
@@ -214,6 +214,6 @@ def test_a_body_keeps_its_start_or_refuses_it_by_name(target, tmp_path):
 
 
 def test_what_a_table_cannot_have_is_refused_by_name(tmp_path):
-    files, said = exported(EVERY, "table", "compensator", tmp_path / "out")
+    files, message = exported(EVERY, "table", "compensator", tmp_path / "out")
     assert not files
-    assert said.startswith("controllers.axis.compensation.lead: must be left out")
+    assert message.startswith("controllers.axis.compensation.lead: must be left out")

@@ -49,5 +49,5 @@ def test_counting_again_gives_the_same():
         sys.path.remove(str(BENCHMARKS))
     for name, target in (("lugre_majorant", "Cortex-M4, float"), ("dahl", "Cortex-M7, double")):
         flags, single = counting.TARGETS[target]
-        found = counting.counts(law(name), flags, single)
-        assert [round(sum(found) / len(found)), max(found)] == PACKAGED["laws"][name][target]
+        result = counting.counts(law(name), flags, single)
+        assert [round(sum(result) / len(result)), max(result)] == PACKAGED["laws"][name][target]

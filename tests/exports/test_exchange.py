@@ -47,12 +47,12 @@ def test_bam_s_models_have_its_friction(model):
     data = from_bam({**MODELS[model], "model": model[:2], "actuator": "servo"})
     data["loads"]["gravity"]["amplitude"] = 0.8
     data["motors"]["drive"]["signal"] = {"kind": "sine", "amplitude": 6.0, "frequency": 1.0}
-    found = simulate(Scenario(data))
-    v = found["joint.v"]
+    solution = simulate(Scenario(data))
+    v = solution["joint.v"]
     fast = abs(v) > 0.3  # the smooth sign is complete to 1 %
     assert fast.sum() > 30
-    want = np.sign(v) * friction(MODELS[model], v, found["gravity.f"], found["drive.torque"])
-    np.testing.assert_allclose(found["friction.F"][fast], want[fast], rtol=0.02)
+    want = np.sign(v) * friction(MODELS[model], v, solution["gravity.f"], solution["drive.torque"])
+    np.testing.assert_allclose(solution["friction.F"][fast], want[fast], rtol=0.02)
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
@@ -67,5 +67,5 @@ def test_the_offset_of_bam_s_encoder_turns_gravity():
     """In BAM the arm's weight acts at q + q_offset."""
     data = from_bam({**PLAIN, "q_offset": -0.05, "model": "m1", "actuator": "servo"})
     data["loads"]["gravity"]["amplitude"] = 0.8
-    found = simulate(Scenario(data))
-    np.testing.assert_allclose(found["gravity.f"], -0.8 * np.sin(found["joint.y"] - 0.05), rtol=1e-12)
+    solution = simulate(Scenario(data))
+    np.testing.assert_allclose(solution["gravity.f"], -0.8 * np.sin(solution["joint.y"] - 0.05), rtol=1e-12)

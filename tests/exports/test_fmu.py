@@ -75,11 +75,11 @@ def by_steps(path, drive, column, h, output, t_end=1.0):
     signals = np.zeros(t.size, dtype=[("time", float), (column, float)])
     signals["time"] = t
     signals[column] = drive["signal"]["amplitude"] * np.sin(2 * np.pi * drive["signal"]["frequency"] * t)
-    found = fmpy.simulate_fmu(
+    solution = fmpy.simulate_fmu(
         path, stop_time=t_end, fmi_type="CoSimulation", input=signals, output_interval=h, output=output,
         relative_tolerance=1e-8,
     )  # fmt: skip
-    return found[:: round(0.01 / h)]
+    return solution[:: round(0.01 / h)]
 
 
 @pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
@@ -87,46 +87,46 @@ def test_body_in_model_exchange(name, fmi, folder):
     """FMPy's CVODE, a constant force (FMPy holds inputs between communication points)."""
     push = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
     exact = stribeck.simulate(rig(name, push))
-    found = fmpy.simulate_fmu(
+    solution = fmpy.simulate_fmu(
         fmu(name, "body", fmi, folder), stop_time=1.0, fmi_type="ModelExchange", start_values={"u": 3.0},
         output_interval=0.01, relative_tolerance=1e-8, output=["y", "v", "F"],
     )  # fmt: skip
     for column in ("y", "v"):
-        assert found[column] == pytest.approx(exact[column], abs=2e-6 * np.max(exact[column]))
-    assert found["F"][5:] == pytest.approx(exact["F"][5:], rel=1e-4)
+        assert solution[column] == pytest.approx(exact[column], abs=2e-6 * np.max(exact[column]))
+    assert solution["F"][5:] == pytest.approx(exact["F"][5:], rel=1e-4)
 
 
 @pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
 def test_body_in_co_simulation(name, fmi, folder):
     exact = stribeck.simulate(rig(name, held(FORCE, 5e-3)))
-    found = by_steps(fmu(name, "body", fmi, folder), FORCE, "u", 5e-3, ["y", "v"])
-    assert found["y"] == pytest.approx(exact["y"], abs=1e-8 * np.max(abs(exact["y"])))
-    assert found["v"] == pytest.approx(exact["v"], abs=1e-8 * np.max(abs(exact["v"])))
+    result = by_steps(fmu(name, "body", fmi, folder), FORCE, "u", 5e-3, ["y", "v"])
+    assert result["y"] == pytest.approx(exact["y"], abs=1e-8 * np.max(abs(exact["y"])))
+    assert result["v"] == pytest.approx(exact["v"], abs=1e-8 * np.max(abs(exact["v"])))
 
 
 @pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic", 3), ("makkar", 2)])
 def test_law_in_co_simulation(name, fmi, folder):
     """The velocity held over each step: F is compared just before the next value comes."""
     exact = stribeck.simulate(rig(name, held(VELOCITY, 1e-3), step=0.01))
-    found = by_steps(fmu(name, "law", fmi, folder), VELOCITY, "v", 1e-3, ["F", *(["z"] if name != "makkar" else [])])
+    result = by_steps(fmu(name, "law", fmi, folder), VELOCITY, "v", 1e-3, ["F", *(["z"] if name != "makkar" else [])])
     if name != "makkar":
-        assert found["z"] == pytest.approx(exact["z"], abs=(1e-6 if name == "lugre_majorant" else 1e-3) * 1.5e-5)
+        assert result["z"] == pytest.approx(exact["z"], abs=(1e-6 if name == "lugre_majorant" else 1e-3) * 1.5e-5)
     chosen, v = law(name), 2e-3 * np.sin(2 * np.pi * (0.01 * np.arange(101) - 1e-3))
-    z = found["z"] if name != "makkar" else 0.0
-    assert found["F"][1:] == pytest.approx(chosen.force(v, z)[1:], rel=1e-9)
+    z = result["z"] if name != "makkar" else 0.0
+    assert result["F"][1:] == pytest.approx(chosen.force(v, z)[1:], rel=1e-9)
 
 
 def test_law_in_model_exchange(folder):
     """The bristle after a jump of the velocity, by FMPy's CVODE and in closed form."""
-    found = fmpy.simulate_fmu(
+    solution = fmpy.simulate_fmu(
         fmu("lugre_majorant", "law", 3, folder), stop_time=0.05, fmi_type="ModelExchange", start_values={"v": 1e-3},
         output_interval=1e-3, relative_tolerance=1e-9, output=["z", "F"],
     )  # fmt: skip
     chosen = law("lugre_majorant")
     rate = float(chosen.jacobian(1e-3, 0.0)[1])
-    z = chosen.steady_deflection(1e-3) * -np.expm1(rate * found["time"])
-    assert found["z"] == pytest.approx(z, abs=1e-7 * 1.5e-5)
-    assert found["F"] == pytest.approx(chosen.force(1e-3, z), rel=1e-6)
+    z = chosen.steady_deflection(1e-3) * -np.expm1(rate * solution["time"])
+    assert solution["z"] == pytest.approx(z, abs=1e-7 * 1.5e-5)
+    assert solution["F"] == pytest.approx(chosen.force(1e-3, z), rel=1e-6)
 
 
 class Slave:
@@ -262,14 +262,14 @@ class Exchanged:
         """Whether each of these is refused."""
         from fmpy.fmi1 import FMICallException
 
-        found = {}
+        result = {}
         for name, ask in self.computes().items():
             try:
                 ask()
-                found[name] = False
+                result[name] = False
             except FMICallException:
-                found[name] = True
-        return found
+                result[name] = True
+        return result
 
 
 @pytest.mark.parametrize(
@@ -335,16 +335,16 @@ def test_an_instance_of_another_token_is_refused_to_hosts_that_hear_it_and_to_ot
             None,
             *(ctypes.byref(fmi2.fmi2CallbackFunctions(logger=x)) for x in (fmi2.fmi2CallbackLoggerTYPE(), log)),
         ]
-        made = [host.fmi2Instantiate(b"one", fmi2.fmi2CoSimulation, b"another", b"", x, 0, 0) for x in called]
+        results = [host.fmi2Instantiate(b"one", fmi2.fmi2CoSimulation, b"another", b"", x, 0, 0) for x in called]
     else:
         host, log = fmi3.FMU3Slave(**words), fmi3.fmi3LogMessageCallback(lambda *message: said.append(message[-1]))
-        made = [
+        results = [
             host.fmi3InstantiateCoSimulation(
                 b"one", b"another", None, False, False, False, False, None, 0, None, x,
                 fmi3.fmi3IntermediateUpdateCallback(),
             ) for x in (fmi3.fmi3LogMessageCallback(), log)
         ]  # fmt: skip
-    assert not any(made)
+    assert not any(results)
     assert len(said) == 1
     assert b"is not that of this FMU" in said[0]
 
@@ -480,8 +480,8 @@ def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):
 
 def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
-    found = importlib.util.find_spec
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "ziglang" else found(name))
+    result = importlib.util.find_spec
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "ziglang" else result(name))
     with pytest.warns(StribeckNote, match="sources only"):
         (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
     with zipfile.ZipFile(path) as archive:

@@ -41,8 +41,8 @@ def test_numbers_and_gradients(name):
         return
     size = abs(law.rate(v, z)) + abs(law.rate(v, -z))
     assert np.all(abs(np.asarray(tool.rate(v, z)) - law.rate(v, z)) <= 1e-13 * size)
-    found = jax.jit(jax.vmap(jax.grad(tool.rate, (0, 1))))(v, z)
-    for got, wanted in zip(found, law.jacobian(v, z), strict=True):
+    result = jax.jit(jax.vmap(jax.grad(tool.rate, (0, 1))))(v, z)
+    for got, wanted in zip(result, law.jacobian(v, z), strict=True):
         assert np.all(abs(got - wanted) <= 1e-9 * (abs(wanted) + 1))
 
 

@@ -93,9 +93,9 @@ def module(target, folder, of=None):
     path = folder / f"friction_{target}.py"
     export(of or stribeck.law("elastoplastic_majorant", ELASTIC), target, path)
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    found = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
+    result = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(result)
+    return result
 
 
 def test_newton_holds_a_double_pendulum(tmp_path):
@@ -161,9 +161,9 @@ def test_mjwarp_holds_and_slides(tmp_path):
 def test_isaaclab_holds_against_a_load_that_it_does_not_see(tmp_path):
     """The PyTorch part: a joint under gravity the actuator knows nothing of; randomised constants; a reset."""
     torch = pytest.importorskip("torch")
-    made = module("isaaclab", tmp_path)
+    built = module("isaaclab", tmp_path)
     inertia, dt = torch.full((2, 1), 0.05), 5e-3
-    friction = made.JointFriction(inertia, dt, F_c=torch.tensor([[1.0], [0.9]]))
+    friction = built.JointFriction(inertia, dt, F_c=torch.tensor([[1.0], [0.9]]))
     q, v, motor = torch.zeros(2, 1), torch.zeros(2, 1), torch.tensor([[0.2], [0.2]])
     for k in range(600):
         outside = torch.tensor([[0.5], [1.5]]) * min(k * dt, 1.0)

@@ -113,8 +113,8 @@ def test_fmu(fmi, run, tmp_path):
     forces = []
     for v, z, row in list(zip(run["rub.w"], run["rub.z"], given(run), strict=True))[1::9]:
         start = {"v": v, "z": z, **dict(zip(contact_law(RIG).inputs, row, strict=True))}
-        found = fmpy.simulate_fmu(str(path), stop_time=1e-3, step_size=1e-3, start_values=start, output=["F"])
-        forces.append(found["F"][0])
+        solution = fmpy.simulate_fmu(str(path), stop_time=1e-3, step_size=1e-3, start_values=start, output=["F"])
+        forces.append(solution["F"][0])
     assert np.abs(forces - run["rub.F"][1::9]).max() <= 1e-9 * np.abs(run["rub.F"]).max()
 
 
@@ -172,7 +172,7 @@ def steps(chosen, load, v, effort):
     """An implicit step of each joint by SciPy: the state after it and the friction."""
     from scipy.optimize import brentq
 
-    found = []
+    results = []
     for row, v0, u in zip(load, v, effort, strict=True):
         here = chosen.replace(**dict(zip(chosen.inputs, row, strict=True)))
 
@@ -183,8 +183,8 @@ def steps(chosen, load, v, effort):
             return 0.5 / 1e-3 * (w - v0) + float(here.force(w, z_at(w))) - u
 
         w = brentq(excess, -1.0, 1.0, xtol=1e-18, rtol=1e-15)
-        found.append((z_at(w), float(here.force(w, z_at(w)))))
-    return np.array(found).T
+        results.append((z_at(w), float(here.force(w, z_at(w)))))
+    return np.array(results).T
 
 
 LOAD = np.array([[4.0, -3.0, 1.0, 2e-3], [0.0, 2.0, 1.5, 0.0], [-2.0, 1.0, 1.0, -1e-3]])
@@ -197,9 +197,9 @@ def test_the_step_of_array_libraries(library):
     pytest.importorskip(library, reason=f"{library} is not installed")
     chosen = contact_law(RIG)
     z, F = steps(chosen, LOAD, V, EFFORT)
-    found, slope = globals()[f"by_{library}"](chosen, LOAD)
-    assert np.abs(found[0] - z).max() <= 1e-9 * np.abs(z).max()
-    assert np.abs(found[1] - F).max() <= 1e-9 * np.abs(F).max()
+    result, slope = globals()[f"by_{library}"](chosen, LOAD)
+    assert np.abs(result[0] - z).max() <= 1e-9 * np.abs(z).max()
+    assert np.abs(result[1] - F).max() <= 1e-9 * np.abs(F).max()
     h = 1e-5
     differences = []
     for j in range(LOAD.shape[1]):

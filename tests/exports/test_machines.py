@@ -47,9 +47,9 @@ def close(found, exact, share=1e-6):
 def test_c(cc, scenario, exact, tmp_path):
     files = stribeck.export(scenario, "c", tmp_path)
     assert sorted(f.name for f in files) == ["machine.c", "machine.h", "machine_run.c"]
-    found = table(output_of(tmp_path, "machine.c", "machine_run.c", cc=cc, flags=("-O1",)))
-    close(found, exact)
-    assert_balanced(found)
+    result = table(output_of(tmp_path, "machine.c", "machine_run.c", cc=cc, flags=("-O1",)))
+    close(result, exact)
+    assert_balanced(result)
 
 
 def test_with_the_same_steps_c_is_the_simulation(tmp_path):
@@ -59,10 +59,10 @@ def test_with_the_same_steps_c_is_the_simulation(tmp_path):
     stribeck.export(RIG, "c", tmp_path, part="machine")
     end = repr(float(RIG.end))
     for times, share in (([end, end], 1e-9), ([], 1e-6)):
-        found = table(output_of(tmp_path, *tmp_path.glob("*.c"), flags=("-O0",), words=times))
+        result = table(output_of(tmp_path, *tmp_path.glob("*.c"), flags=("-O0",), words=times))
         for column in (c.name for c in run.columns):
             exact = np.asarray(run[column])
-            assert abs(found[column][-1] - exact[-1]) <= share * max(np.abs(exact).max(), 1e-12), column
+            assert abs(result[column][-1] - exact[-1]) <= share * max(np.abs(exact).max(), 1e-12), column
 
 
 _ODD = """
@@ -118,20 +118,20 @@ def table(text):
 
 def changes(path, fmi, until):
     """Whether each event tells that it changed states, and whether it did, of an FMU whose states do not move between."""
-    model, t, found = Exchanged(path, fmi), 0.0, []
+    model, t, result = Exchanged(path, fmi), 0.0, []
     model.reach("enterContinuousTimeMode")
     size = len(model.of.derivatives)
     before, after = np.empty((2, size))
     happen = model.fmu.newDiscreteStates if fmi == 2 else model.fmu.updateDiscreteStates
     while t < until:
         model.fmu.getContinuousStates(np.ctypeslib.as_ctypes(before), size)
-        *_, told, _, t = happen()
+        *_, reported, _, t = happen()
         model.fmu.getContinuousStates(np.ctypeslib.as_ctypes(after), size)
-        found.append((bool(told), not np.array_equal(before, after)))
+        result.append((bool(reported), not np.array_equal(before, after)))
         model.fmu.enterContinuousTimeMode()
         model.fmu.setTime(t)
         model.fmu.enterEventMode()
-    return [list(column) for column in zip(*found, strict=True)]
+    return [list(column) for column in zip(*result, strict=True)]
 
 
 @pytest.mark.share(4)
@@ -145,30 +145,30 @@ def test_fmu(fmi, scenario, exact, tmp_path):
     assert validate_fmu(str(path)) == []
     names = [c.name for c in exact.columns]
     times = {"stop_time": 0.5, "output_interval": scenario.output.step, "output": names}
-    found = fmpy.simulate_fmu(str(path), **times)
-    close({n: found[n] for n in names}, exact)
-    assert_balanced(found)
+    solution = fmpy.simulate_fmu(str(path), **times)
+    close({n: solution[n] for n in names}, exact)
+    assert_balanced(solution)
     exchanged = fmpy.simulate_fmu(
         str(path), **times, fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-9, record_events=False
     )
     close({n: exchanged[n] for n in names}, exact)
-    told, changed = changes(path, fmi, until=0.25)
-    assert told == changed
-    assert set(told) == {False, True}
+    reported, changed = changes(path, fmi, until=0.25)
+    assert reported == changed
+    assert set(reported) == {False, True}
     if fmi == 2:
         return
     # a constant that is changed, and an input, against the same in the file
     inputs = np.array([(0.0, 0.4)], dtype=[("time", float), ("loads.push.signal", float)])
     pushed = scenario.replace({"loads.push": {"on": "a", "kind": "signal", "signal": {"kind": "ramp", "rate": 0.0}}})
     (path,) = stribeck.export(pushed, "fmu", tmp_path / "pushed.fmu", fmi=fmi)
-    found = fmpy.simulate_fmu(
+    solution = fmpy.simulate_fmu(
         str(path), **times, input=inputs, start_values={"contacts.s.law.F_c": 0.7, "bodies.a.mass": 0.6}
     )
     constant = {"kind": "points", "t": [0.0], "value": [0.4]}
     other = simulate(
         pushed.replace({"loads.push.signal": constant, "contacts.s.law.parameters.F_c": 0.7, "bodies.a.mass": 0.6})
     )
-    close({n: found[n] for n in names}, {n: other[n] for n in names})
+    close({n: solution[n] for n in names}, {n: other[n] for n in names})
     with pytest.raises(Exception, match="fmi"):
         fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
 
@@ -193,8 +193,8 @@ def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
         main = f'#include "{name}.c"\n#include <stdio.h>\nstatic struct {name}_machine m; int main(void) {{ {lines} return 0; }}'
         (tmp_path / "asked.c").write_text(main)
         subprocess.run(["gcc", str(tmp_path / "asked.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)
-        told = subprocess.run([str(tmp_path / "asked")], capture_output=True, text=True, check=True).stdout
-        assert [float(x) for x in told.split()] == pytest.approx([sampled_share(x) * x for x in rtol], rel=1e-14)
+        process = subprocess.run([str(tmp_path / "asked")], capture_output=True, text=True, check=True).stdout
+        assert [float(x) for x in process.split()] == pytest.approx([sampled_share(x) * x for x in rtol], rel=1e-14)
 
 
 def test_fmu_of_a_pressure_cascade(servo, tmp_path):
@@ -205,8 +205,8 @@ def test_fmu_of_a_pressure_cascade(servo, tmp_path):
     (path,) = stribeck.export(servo, "fmu", tmp_path / "servo.fmu")
     names = [c.name for c in exact.columns]
     times = {"stop_time": 0.3, "output_interval": servo.output.step, "output": names}
-    found = fmpy.simulate_fmu(str(path), **times)
-    close({n: found[n] for n in names}, exact)
+    solution = fmpy.simulate_fmu(str(path), **times)
+    close({n: solution[n] for n in names}, exact)
     exchange = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-11, "record_events": False}
-    found = fmpy.simulate_fmu(str(path), **times, **exchange)
-    close({n: found[n] for n in names}, exact)
+    solution = fmpy.simulate_fmu(str(path), **times, **exchange)
+    close({n: solution[n] for n in names}, exact)

@@ -25,7 +25,7 @@ def test_it_compiles_there(what, target, tmp_path):
     written = stribeck.export(stribeck.Scenario.load(examples.path(example)), "c", tmp_path / "c", **options)
     files = [path for path in written if path.suffix == ".c"]
     assert len(files) == 2
-    made = tmp_path / "made.exe"
+    built = tmp_path / "made.exe"
     words = [sys.executable, "-m", "ziglang", "cc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-target", target]
-    subprocess.run([*words, *files, "-o", made], check=True)
-    assert made.read_bytes()[:2] == (b"MZ" if "windows" in target else b"\xcf\xfa")
+    subprocess.run([*words, *files, "-o", built], check=True)
+    assert built.read_bytes()[:2] == (b"MZ" if "windows" in target else b"\xcf\xfa")

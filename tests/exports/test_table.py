@@ -40,8 +40,8 @@ def test_table(name, tmp_path):
     assert 2 <= len(v) <= 20
     assert v[0] == 0
     assert (np.diff(v) > 0).all()
-    (said,) = [line for line in head if "Greatest error" in line]
-    error = float(said.split(": ")[1].split(" N")[0])
+    (text,) = [line for line in head if "Greatest error" in line]
+    error = float(text.split(": ")[1].split(" N")[0])
     at = (
         np.concatenate(
             [10 ** np.random.default_rng(1).uniform(-12, 0, 20000), np.random.default_rng(2).uniform(0, 1, 20000)]

@@ -58,8 +58,8 @@ def same(found, expected):
 def test_python_code(expressions):
     nodes = [node_of(tree, NODES) for tree in expressions]
     with np.errstate(all="ignore"):
-        found = python_function(NAMES, nodes)(*GRID.values())
-        assert all(same(a, by_hand(node, GRID)) for a, node in zip(found, nodes, strict=True))
+        outcome = python_function(NAMES, nodes)(*GRID.values())
+        assert all(same(a, by_hand(node, GRID)) for a, node in zip(outcome, nodes, strict=True))
         single = {name: x[0] for name, x in GRID.items()}
         numbers = python_function(NAMES, nodes)(*single.values())
         assert all(np.ndim(x) == 0 for x in numbers)
@@ -90,8 +90,8 @@ def c_function(expressions):
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory):
     """A function that evaluates expressions in C at the points of the grid."""
-    found = compiler.find()
-    if found is None:
+    outcome = compiler.find()
+    if outcome is None:
         pytest.skip("no C compiler")
     folder, count = tmp_path_factory.mktemp("c"), iter(range(100))
 
@@ -99,7 +99,7 @@ def compiled(tmp_path_factory):
         source, library = folder / f"{(i := next(count))}.c", folder / f"{i}.so"
         source.write_text(c_function(expressions))
         options = ["-std=c99", "-Wall", "-Werror", "-Wno-unused", "-ffp-contract=off", "-fPIC", "-shared"]
-        command = [*found.command, *options, "-o", str(library), str(source), "-lm"]
+        command = [*outcome.command, *options, "-o", str(library), str(source), "-lm"]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stderr
         function, out = ctypes.CDLL(str(library)).all, np.empty((50, len(expressions)))
@@ -115,22 +115,22 @@ def compiled(tmp_path_factory):
 def test_c_code(compiled, expressions):
     nodes = [*PRECEDENCE, *(node_of(tree, NODES) for tree in expressions)]
     with np.errstate(all="ignore"):
-        for found, node in zip(compiled(nodes), nodes, strict=True):
+        for outcome, node in zip(compiled(nodes), nodes, strict=True):
             expected = np.broadcast_to(by_hand(node, GRID), (50,))
-            close = np.isclose(found, expected, rtol=1e-9, atol=1e-9, equal_nan=True)
+            close = np.isclose(outcome, expected, rtol=1e-9, atol=1e-9, equal_nan=True)
             assert close.mean() > 0.9, node  # what depends on the last bit may differ at some points
 
 
 def test_special_values_in_c(compiled):
     huge, nothing = constant(float("inf")), constant(float("nan"))
     nodes = [X * 0 + huge, -huge + 0 * X, nothing + X, ops.exp(-1e6 * abs(X)), ops.atan(1e300 * X), ops.sign(X - X)]
-    found = compiled(nodes)
-    assert np.all(found[0] == np.inf)
-    assert np.all(found[1] == -np.inf)
-    assert np.all(np.isnan(found[2]))
-    assert np.all(found[3] == 0)
-    assert found[4] == pytest.approx(np.sign(GRID["x"]) * np.pi / 2)
-    assert np.all(found[5] == 0)
+    outcome = compiled(nodes)
+    assert np.all(outcome[0] == np.inf)
+    assert np.all(outcome[1] == -np.inf)
+    assert np.all(np.isnan(outcome[2]))
+    assert np.all(outcome[3] == 0)
+    assert outcome[4] == pytest.approx(np.sign(GRID["x"]) * np.pi / 2)
+    assert np.all(outcome[5] == 0)
     assert np.all(np.isnan(python_function(NAMES, [nothing + X])(*GRID.values())[0]))
 
 

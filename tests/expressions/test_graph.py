@@ -65,18 +65,18 @@ def test_nodes_that_nobody_holds_are_gone():
 
 
 def test_threads_share_nodes():
-    ready, found = threading.Barrier(8), []
+    ready, result = threading.Barrier(8), []
 
     def build():
         ready.wait()
-        found.append([symbol(f"thread {i}") + 1 for i in range(300)])
+        result.append([symbol(f"thread {i}") + 1 for i in range(300)])
 
     threads = [threading.Thread(target=build) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert all(node is first for nodes in found for node, first in zip(nodes, found[0], strict=True))
+    assert all(node is first for nodes in result for node, first in zip(nodes, result[0], strict=True))
 
 
 @pytest.mark.parametrize(
@@ -113,13 +113,13 @@ def test_simplification_keeps_every_bit(tree, point):
 def test_derivative_is_sympys(tree, point, by):
     numbers(tree, point)
     exact = sympy.diff(evaluate(tree, {name: sympy.Symbol(name) for name in NAMES}), sympy.Symbol(by))
-    found = value(derivative(node_of(tree, NODES), NODES[by]), point)
+    result = value(derivative(node_of(tree, NODES), NODES[by]), point)
     expected = sympy.sympify(exact).evalf(30, subs={name: sympy.Float(x, 30) for name, x in point.items()})
     assume(expected.is_Float or expected.is_Integer)
     assume(abs(expected) < 1e12)
     # terms that cancel leave the rounding of the larger ones
     size = 1 + abs(numbers(tree, point)) + abs(float(expected))
-    assert found == pytest.approx(float(expected), rel=1e-7, abs=1e-7 * size)
+    assert result == pytest.approx(float(expected), rel=1e-7, abs=1e-7 * size)
 
 
 @QUICK

@@ -86,8 +86,8 @@ def test_ctrl_c_tells_how_far_it_came(attack, monkeypatch, capsys):
     wrong = []
     with pytest.raises(KeyboardInterrupt):
         run.part("mutations", attack["mutations"], 1, 9, wrong)
-    said = capsys.readouterr().out
-    assert said.startswith("mutations: 4 of 9, ")
-    assert said.endswith(" s of processor time: 1 exit status 0, 2 exit status 2, 1 exit status 3\n")
+    captured = capsys.readouterr().out
+    assert captured.startswith("mutations: 4 of 9, ")
+    assert captured.endswith(" s of processor time: 1 exit status 0, 2 exit status 2, 1 exit status 3\n")
     assert len(wrong) == 1
     assert "exit status 3" in wrong[0]

@@ -26,8 +26,8 @@ STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
 
 def measured(tests, law="lugre", noise=0.1, mass=0.0, stiffness=0.0, offset=0.0, **own):
     """The log of a rig that plays the tests, with a mass (kg), a spring (N/m) and a constant force (N)."""
-    made, moves = find(law)({**TRUTH, **own}), motion(tests, STEP / FINER)
-    log = experiment(made, moves, Sensors(force_noise=noise), 1, FINER).log
+    built, moves = find(law)({**TRUTH, **own}), motion(tests, STEP / FINER)
+    log = experiment(built, moves, Sensors(force_noise=noise), 1, FINER).log
     more = mass * np.gradient(moves[1][::FINER], STEP) + stiffness * log.position + offset
     return log.with_columns(force=log.force + more)
 

@@ -26,12 +26,12 @@ def log(position, velocity, source="measured", load=None) -> Log:
 def test_the_errors_beyond_and_within_are_those_of_their_rows():
     there = log([0.0, 0.5, 1.5, 2.0], [0.1, 0.2, 0.3, 0.9])
     left = np.array([0.2, 0.2, 0.4, 1.0])
-    found = beyond({"position": (0, 1), "velocity": (0, 0.5)}, ("stiffness",), there, np.ones(4, bool), left)
-    assert (found.rows, found.of) == (2, 4)
-    assert found.error == pytest.approx(np.sqrt((0.4**2 + 1) / 8))
-    assert found.within == pytest.approx(0.1)
-    assert {n: w[0] for n, w in found.what.items()} == {"velocity": 1, "position": 2}
-    assert found.text() == (
+    result = beyond({"position": (0, 1), "velocity": (0, 0.5)}, ("stiffness",), there, np.ones(4, bool), left)
+    assert (result.rows, result.of) == (2, 4)
+    assert result.error == pytest.approx(np.sqrt((0.4**2 + 1) / 8))
+    assert result.within == pytest.approx(0.1)
+    assert {n: w[0] for n, w in result.what.items()} == {"velocity": 1, "position": 2}
+    assert result.text() == (
         "2 rows (50%) lie beyond the fitted range: velocity from 0.1 to 0.9 m/s, fitted from 0 to 0.5; "
         "position from 0 to 2 m, fitted from 0 to 1"
     )
@@ -48,8 +48,8 @@ def test_the_errors_beyond_and_within_are_those_of_their_rows():
 )
 def test_positions_count_where_the_model_hangs_on_what_was_not_seen(terms, position, counted):
     there = log([0.0, 0.5, 9.0, 9.5], [0.1] * 4)
-    found = beyond({"position": position, "velocity": (0, 1)}, terms, there, np.ones(4, bool), np.zeros(4))
-    assert found.rows == counted
+    result = beyond({"position": position, "velocity": (0, 1)}, terms, there, np.ones(4, bool), np.zeros(4))
+    assert result.rows == counted
 
 
 def test_rows_at_rest_and_loads_of_which_no_term_is_do_not_count():
@@ -57,8 +57,8 @@ def test_rows_at_rest_and_loads_of_which_no_term_is_do_not_count():
     ranges = {"velocity": (0, 0.5), "load": (0, 2)}
     moves = np.array([True, True, False])
     assert beyond(ranges, (), there, moves, np.zeros(3)).rows == 0
-    found = beyond(ranges, ("F_c_by_load",), there, moves, np.zeros(3))
-    assert (found.rows, list(found.what), found.text()[:31]) == (1, ["load"], "1 rows (50%) lie beyond the fit")
+    result = beyond(ranges, ("F_c_by_load",), there, moves, np.zeros(3))
+    assert (result.rows, list(result.what), result.text()[:31]) == (1, ["load"], "1 rows (50%) lie beyond the fit")
 
 
 def test_a_position_that_nobody_measured_has_no_range():

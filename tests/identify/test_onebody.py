@@ -28,14 +28,14 @@ def full():
 def driven(t, offset=0.0):
     """A body of 2 kg under a force, measured at times ``t``, that runs straight between these: the force, and what is seen."""
     force = (16 + 6 * np.sin(2 * np.pi * 1.3 * t)) * np.sin(2 * np.pi * 0.8 * t)
-    found = stribeck.simulate(
+    solution = stribeck.simulate(
         stribeck.Scenario(
             law={"name": "lugre", "parameters": MACHINE}, plant={"mass": 2.0},
             drive={"kind": "force", "signal": {"kind": "points", "t": t.tolist(), "value": (force - offset).tolist()}},
             solve={"t_end": float(t[-1])}, output={"step": STEP},
         )
     )  # fmt: skip
-    return force, found
+    return force, solution
 
 
 def logged(found, force, position=0.0, velocity=0.0):
@@ -50,8 +50,8 @@ def logged(found, force, position=0.0, velocity=0.0):
 @pytest.fixture(scope="module")
 def pushed():
     """A body under a force that holds back 1 N all the time; 0.1 um of noise on the position."""
-    force, found = driven(np.arange(0, 2.4, STEP / 8), 1.0)
-    return logged(found, force[::8][: len(found.t)], 1e-7, 1e-4)
+    force, result = driven(np.arange(0, 2.4, STEP / 8), 1.0)
+    return logged(result, force[::8][: len(result.t)], 1e-7, 1e-4)
 
 
 def test_every_parameter_of_lugre_is_found(full):
@@ -94,10 +94,10 @@ def test_a_law_constant_is_fitted_when_it_is_freed():
 @pytest.mark.parametrize(("given", "other"), [("F_s", "F_c"), ("F_c", "F_s")])
 def test_a_level_that_is_given_moves_where_the_other_begins(given, other):
     """Most of the friction that is seen is viscous: F_c is guessed above the F_s that is given."""
-    force, found = driven(np.arange(0, 1.3, STEP))
+    force, result = driven(np.arange(0, 1.3, STEP))
     level = {"F_s": 14.0, "F_c": 30.0}[given]
     held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s", "sigma_2")} | {"offset": 0.0, given: level}
-    fit = fitted(logged(found, force, 1e-7), mass=2.0, constants=held, starts=1)
+    fit = fitted(logged(result, force, 1e-7), mass=2.0, constants=held, starts=1)
     assert fit.values["F_c"] <= fit.values["F_s"]
     assert fit[other].value == pytest.approx(level if given == "F_c" else MACHINE[other], rel=0.05)
 
@@ -145,9 +145,9 @@ def test_the_motion_under_a_measured_force_is_met(pushed, output):
 
 def test_a_drive_that_runs_straight_between_samples_is_within_the_intervals():
     """So little noise that the intervals would tell a cubic spline from chords."""
-    force, found = driven(np.arange(0, 1.3, STEP))
+    force, result = driven(np.arange(0, 1.3, STEP))
     held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")} | {"offset": 0.0}
-    fit = fitted(logged(found, force, 1e-9), output="position", mass=2.0, constants=held, starts=2)
+    fit = fitted(logged(result, force, 1e-9), output="position", mass=2.0, constants=held, starts=2)
     for name in ("sigma_2", "F_c", "F_s"):
         assert fit[name].low < MACHINE[name] < fit[name].high, name
         assert fit[name].value == pytest.approx(MACHINE[name], rel=2e-4), name
@@ -155,11 +155,11 @@ def test_a_drive_that_runs_straight_between_samples_is_within_the_intervals():
 
 def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
     """They leave four times what the force's own noise leaves, which is no sign of a better minimum."""
-    force, found = driven(np.arange(0, 4.0, STEP / 4))
+    force, result = driven(np.arange(0, 4.0, STEP / 4))
     draw = np.random.default_rng(0)
-    y = found["y"] + 1e-6 * draw.standard_normal(len(found.t))
+    y = result["y"] + 1e-6 * draw.standard_normal(len(result.t))
     measured = force[::4][: len(y)] + 0.05 * draw.standard_normal(len(y))
-    np.savez(tmp_path / "log.npz", t=found.t, y=y, F=measured)
+    np.savez(tmp_path / "log.npz", t=result.t, y=y, F=measured)
     fit = stribeck.fit(
         tmp_path / "log.npz", "lugre", time="t", position="y", force="F", method="dynamic", mass=2.0, starts=3,
         constants={n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")},
@@ -173,6 +173,6 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
 @pytest.mark.thorough
 def test_loops_short_of_gross_sliding_leave_F_c_open():
     """The level of a slow motion is then F_s, and nothing shows where the curve ends."""
-    found = fitted(rig.measured(rig.LOOPS)).estimates["F_c"]
-    assert found.state == "not identifiable"
-    assert found.why.startswith("no stroke is much longer")
+    result = fitted(rig.measured(rig.LOOPS)).estimates["F_c"]
+    assert result.state == "not identifiable"
+    assert result.why.startswith("no stroke is much longer")

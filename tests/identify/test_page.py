@@ -27,8 +27,8 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
     for name, term in TERMS.items():
         if term.column is None:
             continue
-        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", term.factor)), known)
-        assert np.allclose(column(name, log), made), name
+        built = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", term.factor)), known)
+        assert np.allclose(column(name, log), built), name
 
 
 def test_files_stand_behind_each_other_on_the_axis_of_time():

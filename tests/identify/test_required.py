@@ -40,22 +40,22 @@ def test_a_number_is_identified_as_far_as_it_is_required(usual):
 
 
 def test_what_to_measure_stands_with_what_is_missing(columns, usual):
-    found = fitted(columns, require={"F_c": 1e-4})
-    e = found["F_c"]
+    result = fitted(columns, require={"F_c": 1e-4})
+    e = result["F_c"]
     assert e.state == "not identifiable"
     assert "constant speeds" in e.experiment
-    assert e.experiment in found.notes[0]
-    page = next(chapter for chapter in found.document().chapters if chapter.key == "result")
-    for name, each in found.parameters.items():  # in the table of a page alone
+    assert e.experiment in result.notes[0]
+    page = next(chapter for chapter in result.document().chapters if chapter.key == "result")
+    for name, each in result.parameters.items():  # in the table of a page alone
         assert not each.advice(name) or each.advice(name) not in page.text
         assert not each.advice(name) or [name, each.why, each.experiment] in page.tables[-1].rows
-    assert any(each.advice(name) for name, each in found.parameters.items())
+    assert any(each.advice(name) for name, each in result.parameters.items())
     assert (e.value, e.interval, e.range) == tuple(getattr(usual["F_c"], n) for n in ("value", "interval", "range"))
 
 
 def test_a_machine_is_judged_by_the_end_of_a_path(tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     path = logs(tmp_path, ["run.csv"], {"bodies.a.mass": {"low": 0.2, "high": 5.0}})
-    found = stribeck.fit(body(), logs=path, require={"mass": 1e-9})
-    assert found["mass"].state == "not identifiable"
-    assert found.notes[0].startswith("bodies.a.mass is known within")
+    result = stribeck.fit(body(), logs=path, require={"mass": 1e-9})
+    assert result["mass"].state == "not identifiable"
+    assert result.notes[0].startswith("bodies.a.mass is known within")

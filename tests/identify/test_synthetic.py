@@ -12,9 +12,9 @@ LAW = stribeck.law("stribeck", parameters="canudas1995")
 
 
 def test_the_force_is_the_friction_of_the_law():
-    found = experiment(LAW, (T, V), Sensors(position_resolution=0.0))
-    assert found.log.force == pytest.approx(LAW.steady_force(V), abs=1e-9)
-    assert all("SYNTHETIC" in word for word in found.log.sources.values())
+    result = experiment(LAW, (T, V), Sensors(position_resolution=0.0))
+    assert result.log.force == pytest.approx(LAW.steady_force(V), abs=1e-9)
+    assert all("SYNTHETIC" in word for word in result.log.sources.values())
 
 
 def test_sensors_add_the_noise_and_the_steps_that_they_have():

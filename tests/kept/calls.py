@@ -257,11 +257,11 @@ def _mistakes_of_a_scenario(*given):
     taken = {line.rpartition(": ")[0] for line in lines if line.endswith(": taken")}
     for path in _places(given[0]):
         for wrong in (GONE, -1.5, "?"):
-            said = _said(path, wrong)
-            if any(line.startswith(f"{said}: ") for line in lines):
+            message = _said(path, wrong)
+            if any(line.startswith(f"{message}: ") for line in lines):
                 valid = SCHEMA.is_valid(_edited(given[0], path, wrong))
-                if valid != (said in taken):
-                    yield f"{said}: {'taken' if valid else 'refused'} by the schema"
+                if valid != (message in taken):
+                    yield f"{message}: {'taken' if valid else 'refused'} by the schema"
 
 
 @kept("refused/machine")
@@ -316,8 +316,8 @@ def _():
         Path("x.toml").write_text(text)
         what = text.removeprefix("[parameters]\n").replace("\n", "; ")
         try:
-            found = stribeck.law("coulomb_viscous", "x.toml", sigma_2=0.0)
-            yield f"{what}: {found.p.F_c:g}, {'rotary' if found.rotary else 'linear'}"
+            result = stribeck.law("coulomb_viscous", "x.toml", sigma_2=0.0)
+            yield f"{what}: {result.p.F_c:g}, {'rotary' if result.rotary else 'linear'}"
         except InputError as error:
             yield from (f"{what}: {problem}" for problem in error.problems)
         law = {"name": "stribeck", "k_v": 1e7, "parameters": "x.toml"}
@@ -333,9 +333,9 @@ def _():
     first, second = tables["log"]
     read = {"a.y": {"column": "y", "unit": "mm", "gain": 1e3, "noise": 1e-5, "held": False}}
     driven = {"loads.push.signal": {"column": "u", "held": True}}
-    told = {"outputs": read, "inputs": driven, "known": {"bodies.a.initial.y": 0.0}, "hold_out": False}
+    reported = {"outputs": read, "inputs": driven, "known": {"bodies.a.initial.y": 0.0}, "hold_out": False}
     sought = {"low": 0.2, "high": 5.0, "start": 1.0, "prior": {"mean": 1.0, "deviation": 0.1}}
-    shape = {"log": {**first, **told}, "unknown": {**tables["unknown"], "bodies.a.mass": sought}}
+    shape = {"log": {**first, **reported}, "unknown": {**tables["unknown"], "bodies.a.mass": sought}}
     wide = {"prior": {"mean": 1.0, "deviation": 0.25}}
     files = [(("log", "file"), x) for x in ("none.csv", "few.csv", "words.csv", "x" * 300 + ".csv")]
     names = ("log.3.bodies.a.mass", "initial.a.y", "outputs.b.y.offset", "outputs.a.y.wobble", "bodies.a.mas")
@@ -350,12 +350,12 @@ def _():
         if isinstance(edited.get("log"), dict):
             edited["log"] = [edited["log"], second]
         Path("l.toml").write_text(tomli_w.dumps(edited))
-        said = _said(path, wrong)[:120]  # a file's name may be too long
+        message = _said(path, wrong)[:120]  # a file's name may be too long
         try:
             coordinates(machine, read_logs("l.toml"))
-            yield f"{said}: taken"
+            yield f"{message}: taken"
         except InputError as error:
-            yield from (f"{said}: {x}" for x in error.problems)
+            yield from (f"{message}: {x}" for x in error.problems)
 
 
 @kept("refused/bam")
@@ -402,8 +402,8 @@ def _codes(code):
 @kept("codegen/wasm")
 def _():
     for path in MACHINES:
-        made = wasm.system_module(Scenario.load(path).system)
-        yield f"{path.stem}: {len(made.module)} bytes, {made.shape}, {made.end}"
+        built = wasm.system_module(Scenario.load(path).system)
+        yield f"{path.stem}: {len(built.module)} bytes, {built.shape}, {built.end}"
 
 
 SHOWN = {"x": "x", "y": "y", "k_v": "k_v"}
@@ -453,10 +453,10 @@ def _():
 
 def _verdicts(cases):
     for case in cases:
-        found = stribeck.check(case.law())
+        verdicts = stribeck.check(case.law())
         yield f"== {case.kind}.{case.name}"
         for name in PROPERTIES:
-            verdict = found[name].to_dict()
+            verdict = verdicts[name].to_dict()
             yield f"{name}: {verdict['holds']}, {verdict['method']}"
             yield from ("  " + line for line in shown.tree(verdict["evidence"], 9))
 
@@ -546,8 +546,8 @@ class _Called(BaseException):
 
 def _call_of(function):
     def called(*args, **kwargs):
-        told = [_told(x) for x in args] + [f"{k}={_told(x)}" for k, x in kwargs.items()]
-        raise _Called(function.rpartition(".")[2], *(x for x in told if "<function" not in x))
+        reported = [_told(x) for x in args] + [f"{k}={_told(x)}" for k, x in kwargs.items()]
+        raise _Called(function.rpartition(".")[2], *(x for x in reported if "<function" not in x))
 
     return called
 
@@ -666,22 +666,22 @@ def _():
     for name, law in laws():
         for constant_name in law.p.numbers:
             for x in (1e-300, 1e300, 1e-30, 1e30):
-                said = []
+                message = []
                 with warnings.catch_warnings(), np.errstate(all="ignore"):
                     warnings.simplefilter("ignore")
                     try:
                         other = law.replace(**{constant_name: x})
-                        said = [
+                        message = [
                             overflow(other),
                             trouble(other),
                             numbers(other.steady_force([1e-3, 1.0])),
                         ]
                     except InputError as error:
-                        said = error.problems
+                        message = error.problems
                     except ArithmeticError as error:
-                        said = [type(error).__name__]
-                if said[:2] != [None, None]:
-                    yield f"{name} {constant_name}={x:g}: {said}"
+                        message = [type(error).__name__]
+                if message[:2] != [None, None]:
+                    yield f"{name} {constant_name}={x:g}: {message}"
 
 
 @kept("python/loads")
@@ -722,11 +722,11 @@ def _file(name, content):
 
 def _table(text, *wanted):
     """What is read of a text file by pyarrow, and line by line without it."""
-    told = _columns(path := _file("table.csv", text), *wanted)
+    reported = _columns(path := _file("table.csv", text), *wanted)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stribeck.recorded.find_spec", lambda name: None)
         alone = _columns(path, *wanted)
-    return told if told == alone else f"{told}\nwithout pyarrow:\n{alone}"
+    return reported if reported == alone else f"{reported}\nwithout pyarrow:\n{alone}"
 
 
 def _columns(data, *wanted):
@@ -738,8 +738,8 @@ def _columns(data, *wanted):
     names = wanted or source.names[:9]
     lines = [f"{source.names[:99]} {source.stated or ''} {source.constants or ''}"]
     try:
-        found = source.columns({name: name for name in names})
-        lines += (f"{n}: {str(x[:9].tolist())[1:-1]}, {len(x)} rows" for n, x in found.items())
+        result = source.columns({name: name for name in names})
+        lines += (f"{n}: {str(x[:9].tolist())[1:-1]}, {len(x)} rows" for n, x in result.items())
     except InputError as error:
         lines += (f"! {problem}" for problem in error.problems)
         lines += (_columns(data, name).partition("\n")[2] for name in names if len(names) > 1)
@@ -754,7 +754,7 @@ def _exact(texts):
 def _own(text, k_v=1e6):
     """What a scenario and the commands that take a law say of one in a file."""
     law = {"name": _file("own.py", text) + ":Rooted", "k_v": k_v, "parameters": "canudas1995"}
-    told = [*_refusal("a scenario", {**RIG, "law": law})]
+    reported = [*_refusal("a scenario", {**RIG, "law": law})]
     for command in (
         "library",
         "check --parameters canudas1995 --set",
@@ -762,8 +762,8 @@ def _own(text, k_v=1e6):
     ):
         first, *words = command.split()
         status, out, err = call(first, law["name"], *words, *[f"k_v={k_v}"] * bool(words))
-        told += [f"{first}: {status}, {len(out.splitlines())} lines", *err.splitlines()]
-    return "\n".join(told)
+        reported += [f"{first}: {status}, {len(out.splitlines())} lines", *err.splitlines()]
+    return "\n".join(reported)
 
 
 def _drawn(content, name="record.csv", **more):

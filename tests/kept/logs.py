@@ -40,8 +40,8 @@ def pushed(seed, amplitude, mass=1.0):
 
 def bristles():
     """A body that a force moves to and fro within its presliding and beyond it."""
-    found = pushed(3, 4.0)
-    return {"t": found["t"], "y": found["y"], "F": found["u"]}
+    result = pushed(3, 4.0)
+    return {"t": result["t"], "y": result["y"], "F": result["u"]}
 
 
 MADE = {

@@ -127,9 +127,9 @@ def test_force_rate(name):
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_laws_have_a_force_rate_at_rest(name):
     model = make(name)
-    found = model.force_rate(0.0, np.array([-1e-5, 0.0, 1e-5]), np.array([[-1.0], [0.0], [2.0]]))
-    assert found.shape == (3, 3)
-    assert np.isfinite(found).all()
+    result = model.force_rate(0.0, np.array([-1e-5, 0.0, 1e-5]), np.array([[-1.0], [0.0], [2.0]]))
+    assert result.shape == (3, 3)
+    assert np.isfinite(result).all()
 
 
 def test_the_force_rate_at_rest_in_numbers():
@@ -199,11 +199,11 @@ def test_shapes_broadcast():
     for name in builtin():
         model = make(name)
         v, z = np.full((4, 1), 1e-3), np.zeros(3)
-        for found in (model.force(v, z), model.rate(v, z), *model.jacobian(v, z), model.force_rate(v, z, 1.0)):
-            assert found.shape == (4, 3)
+        for result in (model.force(v, z), model.rate(v, z), *model.jacobian(v, z), model.force_rate(v, z, 1.0)):
+            assert result.shape == (4, 3)
         assert model.steady_force(v).shape == model.steady_deflection(v).shape == (4, 1)
-        for found in (model.force(1e-3), model.force(1, 0), model.rate(1e-3, 0), model.steady_force(1e-3)):
-            assert isinstance(found, np.float64)
+        for result in (model.force(1e-3), model.force(1, 0), model.rate(1e-3, 0), model.steady_force(1e-3)):
+            assert isinstance(result, np.float64)
         assert model.force([1e-3, 1e-2]).shape == (2,)
         assert np.isnan(model.force(nan, nan))
 

@@ -133,9 +133,9 @@ class ForgetsArrays(Lopsided):
     ],
 )
 def test_laws_without_sense(law, lines):
-    found = problems(law({"F_c": 1.0, "sigma_2": 0.4}))
-    assert len(found) == len(lines), found
-    assert all(line.startswith(start) for line, start in zip(found, lines, strict=True)), found
+    result = problems(law({"F_c": 1.0, "sigma_2": 0.4}))
+    assert len(result) == len(lines), result
+    assert all(line.startswith(start) for line, start in zip(result, lines, strict=True)), result
 
 
 def test_samples_depend_on_the_seed_only():

@@ -102,8 +102,8 @@ def test_a_compensation_uses_it(name, sampled, backend, monkeypatch):
         "solve": {"t_end": 0.7}, "output": {"step": 0.01},
     }  # fmt: skip
     monkeypatch.setenv("STRIBECK_BACKEND", backend)
-    found = stribeck.simulate(data)
-    assert found.status == "done"
+    solution = stribeck.simulate(data)
+    assert solution.status == "done"
     law = stribeck.law(name, COMPENSATOR, z_ba=1e-3, **own)
     for k, v in enumerate(rates):
-        assert found["axis.u"][10 * k + 5] == pytest.approx(law.steady_force(v), rel=1e-7)
+        assert solution["axis.u"][10 * k + 5] == pytest.approx(law.steady_force(v), rel=1e-7)

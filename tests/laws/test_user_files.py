@@ -83,17 +83,17 @@ def test_byte_code_that_lies_there_is_not_taken(tmp_path):
 
 @pytest.mark.parametrize("name", ["K", "error"])
 def test_arguments_of_the_exports(name, tmp_path):
-    found = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
+    result = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
     with pytest.raises(InputError, match=f"^{name}: a constant of this name cannot be exported"):
-        export(found, "c", tmp_path / "out")
+        export(result, "c", tmp_path / "out")
 
 
 @pytest.mark.parametrize("name", ["mass", "time"])
 def test_variables_of_an_fmu(name, tmp_path):
-    found = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
+    result = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
     scenario = Scenario(VALID["force_points"])
     with pytest.raises(InputError, match=f"^{name}: the FMU has a variable of this name"):
-        export(found, "fmu", tmp_path / "out.fmu", part="body", scenario=scenario)
+        export(result, "fmu", tmp_path / "out.fmu", part="body", scenario=scenario)
 
 
 class Related(StaticLaw):
@@ -122,8 +122,8 @@ class Related(StaticLaw):
     ],
 )
 def test_relations_of_constants_that_are_off_or_have_a_default(values, line):
-    found = [f"{name}: {text}" for name, text in Related.problems(values)]
-    assert found == ([] if line is None else [line])
+    results = [f"{name}: {text}" for name, text in Related.problems(values)]
+    assert results == ([] if line is None else [line])
 
 
 def test_the_file_of_a_set_as_a_path(tmp_path):
@@ -182,17 +182,17 @@ def test_a_fit_with_a_law_that_has_no_force_at_the_records_speeds(tmp_path, caps
 def test_a_fit_with_a_law_for_one_direction_of_a_record_in_that_direction(tmp_path):
     v = 0.02 + 0.015 * np.sin(0.03 * np.arange(600))
     path = record(tmp_path, v, 2.0 * np.sqrt(v))
-    found = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", forms=False)
-    assert found.estimates["c"].value == pytest.approx(2.0, rel=2e-3)
+    fitted = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", forms=False)
+    assert fitted.estimates["c"].value == pytest.approx(2.0, rel=2e-3)
 
 
 def test_a_speed_at_which_a_law_has_no_force_is_told(tmp_path, capsys):
     law_ = one_sided(tmp_path, "p.c * log(v)")
-    said = "law 'Mine': its equations give nan as F at v = -0.001 m/s"
+    message = "law 'Mine': its equations give nan as F at v = -0.001 m/s"
     assert _status(["library", law_]) == 0
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert _status(["export", law_, "--set", "c=1", "--target", "c", "--out", str(tmp_path / "c")]) == 0
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_law_of_a_file_in_another_process(tmp_path):

@@ -19,16 +19,16 @@ def test_from_the_log_of_a_stage_to_its_controller(tmp_path, monkeypatch):
     try:
         import axes
 
-        found = axes.show("stage", tmp_path, quick=True)
+        result = axes.show("stage", tmp_path, quick=True)
     finally:
         for name in ("axes", "machines"):
             sys.modules.pop(name, None)
-    assert found["rms_after"] < 0.5 * found["rms_before"]
+    assert result["rms_after"] < 0.5 * result["rms_before"]
     assert (tmp_path / "stage.svg").stat().st_size > 5000
     sources = [str(tmp_path / "c" / name) for name in ("stage_axis.c", "stage_axis_test.c")]
     subprocess.run(["gcc", "-std=c99", *sources, "-o", str(tmp_path / "check"), "-lm"], check=True)
     subprocess.run([tmp_path / "check"], check=True, capture_output=True)
-    assert np.isfinite(list(found.values())).all()
+    assert np.isfinite(list(result.values())).all()
 
 
 def test_a_sum_of_signals_is_held_and_comes_to_rest():

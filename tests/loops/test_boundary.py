@@ -27,12 +27,12 @@ def along(monkeypatch, verdict, low=100.0, high=800.0):
 
 
 def test_a_plain_change_is_a_boundary(monkeypatch):
-    found = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting")
-    (named,) = found.boundaries
+    solution = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting")
+    (named,) = solution.boundaries
     assert named.low <= 333.3 <= named.high
     assert named.value == pytest.approx(333.3, rel=1e-3)
     assert (named.below, named.above, named.sure) == ("quiet", "hunting", True)
-    assert not found.mixed
+    assert not solution.mixed
 
 
 def test_one_near_zero_is_found_as_finely(monkeypatch):
@@ -41,9 +41,9 @@ def test_one_near_zero_is_found_as_finely(monkeypatch):
 
 
 def test_what_changes_everywhere_has_no_boundary(monkeypatch):
-    found = along(monkeypatch, lambda x: "quiet" if round((x - 100.0) * 12 / 700) % 2 else "hunting")
-    assert not found.boundaries
-    (mixed,) = found.mixed
+    solution = along(monkeypatch, lambda x: "quiet" if round((x - 100.0) * 12 / 700) % 2 else "hunting")
+    assert not solution.boundaries
+    (mixed,) = solution.mixed
     assert mixed.low < 150
     assert mixed.high > 750
 
@@ -63,13 +63,13 @@ def test_what_changes_everywhere_has_no_boundary(monkeypatch):
 )
 def test_beside_what_is_named_the_verdicts_hold(monkeypatch, verdict, named, mixed):
     """Boundaries stood 5 % beside which other verdicts stood."""
-    found = along(monkeypatch, verdict)
-    assert [b.value for b in found.boundaries] == pytest.approx(named, rel=5e-3)
-    assert [x for m in found.mixed for x in (m.low, m.high)] == pytest.approx(np.ravel(mixed).tolist(), rel=0.03)
-    for b in found.boundaries:
-        for share, said in ((0.95, b.below), (1.05, b.above)):
-            assert verdict(share * b.value) == said
-    for m in found.mixed:
+    solution = along(monkeypatch, verdict)
+    assert [b.value for b in solution.boundaries] == pytest.approx(named, rel=5e-3)
+    assert [x for m in solution.mixed for x in (m.low, m.high)] == pytest.approx(np.ravel(mixed).tolist(), rel=0.03)
+    for b in solution.boundaries:
+        for share, text in ((0.95, b.below), (1.05, b.above)):
+            assert verdict(share * b.value) == text
+    for m in solution.mixed:
         assert verdict(0.95 * m.low) == m.below
         assert verdict(1.05 * m.high) == m.above
         assert m.below in mixed_sentence(m)

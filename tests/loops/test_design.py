@@ -28,8 +28,8 @@ def test_without_an_integral_it_is_quiet():
 @pytest.mark.thorough
 def test_a_majorant_creeps_where_lugre_rests():
     """m(0) > 0: under a held load the contact creeps on at about m(0) F/F_s."""
-    found = only(axis(contact=law(sigma_1=30.0, sigma_2=15.0, k_v=1e5)))
-    assert found.verdict == "creeping"
+    result = only(axis(contact=law(sigma_1=30.0, sigma_2=15.0, k_v=1e5)))
+    assert result.verdict == "creeping"
 
 
 @pytest.mark.thorough
@@ -37,9 +37,9 @@ def test_an_integral_hunts_against_stiction():
     """The paper's limit cycle, as a machine: known from its figure and from ../shared/reference."""
     canudas = {"name": "lugre", "parameters": "canudas1995"}
     step = {"kind": "step", "time": 0.0, "value": 1.0}
-    found = only(axis(contact=canudas, signal=step, K_p=3.0, K_i=4.0, K_d=6.0))
-    assert found.verdict == "hunting"
-    cycle = found.to_dict()["limit_cycle"]
+    result = only(axis(contact=canudas, signal=step, K_p=3.0, K_i=4.0, K_d=6.0))
+    assert result.verdict == "hunting"
+    cycle = result.to_dict()["limit_cycle"]
     assert cycle["body"] == "a"
     assert cycle["amplitude"] == pytest.approx(0.064, abs=1e-3)
     assert cycle["period"] == pytest.approx(24.4, abs=0.1)
@@ -47,9 +47,9 @@ def test_an_integral_hunts_against_stiction():
 
 def test_the_slowest_time_constant_is_that_of_the_linear_loop():
     """m s^2 + (K_d + sigma_2) s + K_p."""
-    found = loop_of(Scenario(axis()))
+    result = loop_of(Scenario(axis()))
     roots = np.roots([1.0, 20.0 + 15.0, 200.0])
-    assert found.slowest == pytest.approx(1 / -roots.real.max(), rel=1e-3)
+    assert result.slowest == pytest.approx(1 / -roots.real.max(), rel=1e-3)
 
 
 @pytest.mark.thorough
@@ -72,8 +72,8 @@ def test_another_solver_agrees_on_both_sides_of_a_boundary():
     """Where a delay destabilises: 5 % away on either side the second solver's mass rests, or does not."""
     data = axis(K_p=500.0, K_d=30.0, limit=100.0, sampling={"period": 2e-3, "delay": 2e-3})
     loop = loop_of(Scenario(data))
-    found = line(loop, Turned.parse("controllers.hold.sampling.delay=6e-3:6e-2"))
-    (boundary,) = found.boundaries
+    result = line(loop, Turned.parse("controllers.hold.sampling.delay=6e-3:6e-2"))
+    (boundary,) = result.boundaries
     assert (boundary.below, boundary.above) == ("quiet", "unstable")
     assert boundary.sure
     for share, quiet in ((0.95, True), (1.05, False)):
@@ -100,10 +100,10 @@ def test_signals_that_never_rest_are_held():
 @pytest.mark.thorough
 def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     """Each as a machine of its own, simulated anew, leaves the error that was stated."""
-    found = design(
+    result = design(
         Scenario(axis(signal={"kind": "point_to_point", "t": [0.1, 0.6], "value": [0.0, 0.05]})), compensate=True
     )
-    rows = {c.kind: c for c in found.compensations}
+    rows = {c.kind: c for c in result.compensations}
     assert set(rows) == {"none", "reference", "measured", "dither"}
     assert rows["none"].largest_quiet_share == 0.0
     assert rows["reference"].reversal_error < 0.7 * rows["none"].reversal_error
@@ -114,9 +114,9 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     table["compensation"]["share"] = own.share
     speed = 0.05 / 0.5 * 35 / 16  # the fastest of a move of order seven
     period = 2 * np.pi * 0.025 / speed
-    told = found.to_dict()
-    assert told["moves"] == pytest.approx({"amplitude": 0.025, "speed": speed, "period": period}, rel=2e-3)
-    assert [row.get("table") for row in told["compensations"]][:2] == [None, table["compensation"]]
+    reported = result.to_dict()
+    assert reported["moves"] == pytest.approx({"amplitude": 0.025, "speed": speed, "period": period}, rel=2e-3)
+    assert [row.get("table") for row in reported["compensations"]][:2] == [None, table["compensation"]]
     table["signal"] = {"kind": "sine", "amplitude": 0.025, "frequency": 1 / period}
     t = stribeck.simulate(Scenario(data), t_end=4 * period, step=period / 1000)
     after = (t.t >= period) & ((t.t / period - 0.25) % 0.5 <= 0.125)
@@ -149,10 +149,10 @@ sigma_2 = {low = 3.0}
 
 def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp_path):
     (tmp_path / "fit.toml").write_text(INTERVALS)
-    found = uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
-    assert found == {"contacts.guide.law.parameters.F_c": (0.5, 2.2), "contacts.guide.law.parameters.F_s": (1.8, 2.4)}
-    samples = uncertainty.friction_samples(found)
-    F_c, F_s = (samples[path] for path in found)
+    result = uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
+    assert result == {"contacts.guide.law.parameters.F_c": (0.5, 2.2), "contacts.guide.law.parameters.F_s": (1.8, 2.4)}
+    samples = uncertainty.friction_samples(result)
+    F_c, F_s = (samples[path] for path in result)
     assert (F_s >= F_c).all()
     assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 2.2, 1.8, 2.4)
     np.testing.assert_allclose(F_c[:7], [1.35, 0.5, 2.2, 0.5, 2.2, 1.35, 1.35])  # middle, low, high, each alone
@@ -165,23 +165,23 @@ def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
 
     loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))
     samples = uncertainty.friction_samples(uncertainty.friction_intervals(loop.scenario, None))
-    found = excess(loop.scenario, "hold", samples)
-    assert found.share == pytest.approx(1.0, rel=1e-9)  # the same law on both sides
-    v = found.speed
+    result = excess(loop.scenario, "hold", samples)
+    assert result.share == pytest.approx(1.0, rel=1e-9)  # the same law on both sides
+    v = result.speed
     taken, added = (
         p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2)) + p["sigma_2"] * v
         for p in (
-            {name.rpartition(".")[2]: x for name, x in found.sample.items()},
+            {name.rpartition(".")[2]: x for name, x in result.sample.items()},
             loop.scenario.data["contacts"]["guide"]["law"]["parameters"],
         )
     )
-    assert found.worst_share == pytest.approx(taken / added, rel=1e-9)
-    assert found.worst_share < 0.9
-    run = stribeck.simulate(found.counterexample)
+    assert result.worst_share == pytest.approx(taken / added, rel=1e-9)
+    assert result.worst_share < 0.9
+    run = stribeck.simulate(result.counterexample)
     assert run["a.v"][-1] > 2 * v
     assert run["E_in"][-1] > 0  # what the compensation supplied
     path = "controllers.hold.compensation.share"
-    less = found.counterexample.with_changes({path: 0.95 * found.worst_share})
+    less = result.counterexample.with_changes({path: 0.95 * result.worst_share})
     assert stribeck.simulate(less)["a.v"][-1] < 0.5 * v
 
 
@@ -212,8 +212,8 @@ def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
     assert kinds_of(loop, "hold", "guide") == ["none", "reference", "measured", "inner_loop", "dither"]
     errors = []
     for kind in ("none", "measured", "inner_loop"):
-        made = with_compensation(loop.scenario, "hold", "guide", kind, 0.8)
-        run = stribeck.simulate(made.with_changes({"solve.t_end": 2.0, "output.step": 1e-3}))
+        built = with_compensation(loop.scenario, "hold", "guide", kind, 0.8)
+        run = stribeck.simulate(built.with_changes({"solve.t_end": 2.0, "output.step": 1e-3}))
         assert run.status == "done"
         errors.append(np.abs(run["hold.r"] - run["a.y"])[1000:].max())
     assert errors[2] < errors[1] < errors[0]

@@ -11,8 +11,8 @@ from stribeck.loops.oscillation import amplitude_and_period, first_maximum
 @given(st.floats(0.1, 10.0), st.floats(0.5, 5.0), st.floats(-3.0, 3.0), st.floats(0.0, 6.0))
 def test_a_sine_is_measured(amplitude, period, offset, phase):
     t = np.linspace(0, 20 * period, 20001)
-    found = amplitude_and_period(t, offset + amplitude * np.sin(2 * np.pi * t / period + phase))
-    assert found == pytest.approx((amplitude, period), rel=1e-4)
+    result = amplitude_and_period(t, offset + amplitude * np.sin(2 * np.pi * t / period + phase))
+    assert result == pytest.approx((amplitude, period), rel=1e-4)
 
 
 def test_no_period_without_two_crossings():

@@ -32,14 +32,14 @@ def test_what_it_does_depends_on_the_start():
     0.816 mm from 0.75 mm off, and rest to 1.6e-11 m from 2.5 mm off."""
     loop = hunter()
     own = judge(loop)[0]
-    found = from_starts(loop, "hold")
+    fitted = from_starts(loop, "hold")
     assert own.verdict == "quiet"
-    cycles = [s for s in found if s.judgement.verdict == "hunting"]
+    cycles = [s for s in fitted if s.judgement.verdict == "hunting"]
     assert [abs(s.off) for s in cycles] == pytest.approx([0.03 * 0.025] * 2)
     assert all(s.judgement.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
-    assert {j.verdict for j in distinct_judgements(found, own)} == {"quiet", "hunting"}
-    assert f"from 2 of {len(found)} other starts it hunts, ±" in starts_sentence(found, own, "m")
-    assert len(distinct_judgements([s for s in found if s.judgement.quiet], own)) == 1
+    assert {j.verdict for j in distinct_judgements(fitted, own)} == {"quiet", "hunting"}
+    assert f"from 2 of {len(fitted)} other starts it hunts, ±" in starts_sentence(fitted, own, "m")
+    assert len(distinct_judgements([s for s in fitted if s.judgement.quiet], own)) == 1
 
 
 @pytest.mark.parametrize(("amplitude", "different"), [(1.105e-6, 1), (1.12e-6, 2)])
@@ -51,10 +51,10 @@ def test_cycles_within_a_tenth_of_the_larger_one_are_one(amplitude, different):
 
 def test_a_cycle_without_a_period_is_told_without_one():
     rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
-    found = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
-    told = starts_sentence(found, rest, "m")
-    assert told == "from 1 of 2 other starts it hunts, ±2 µm"
-    assert "nan" not in told
+    results = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
+    reported = starts_sentence(results, rest, "m")
+    assert reported == "from 1 of 2 other starts it hunts, ±2 µm"
+    assert "nan" not in reported
 
 
 def test_rest_is_measured_by_the_move_of_the_file():
@@ -99,17 +99,17 @@ def test_errors_after_reversals_are_those_of_each_lane_that_is_simulated():
 def test_the_amplitude_of_a_dither_that_leaves_least():
     loop = hunter(K_i=0.0, K_d=300.0)
     named = "contacts.guide.law.parameters.F_s"
-    made = replace(loop, scenario=with_compensation(loop.scenario, "hold", "guide", "dither", 1.0))
-    found = _dithered(made, "hold", {named: np.array([10.0])}, np.array([True]))
-    assert found.largest_quiet_share == 3.0
-    assert found.dither["least_quiet_share"] == 0.0
-    assert found.dither["amplitude"] == pytest.approx(found.share * 9.0, rel=0.02)
+    built = replace(loop, scenario=with_compensation(loop.scenario, "hold", "guide", "dither", 1.0))
+    result = _dithered(built, "hold", {named: np.array([10.0])}, np.array([True]))
+    assert result.largest_quiet_share == 3.0
+    assert result.dither["least_quiet_share"] == 0.0
+    assert result.dither["amplitude"] == pytest.approx(result.share * 9.0, rel=0.02)
     plain = reversal_errors(loop, "hold", {named: np.array([10.0])})
-    assert found.share > 0
-    assert found.worst_error < 0.8 * plain.max()
+    assert result.share > 0
+    assert result.worst_error < 0.8 * plain.max()
     path = "controllers.hold.dither.amplitude"
-    assert found.reversal_error == pytest.approx(
-        reversal_errors(made, "hold", {path: [found.dither["amplitude"]]})[0], rel=1e-6
+    assert result.reversal_error == pytest.approx(
+        reversal_errors(built, "hold", {path: [result.dither["amplitude"]]})[0], rel=1e-6
     )
 
 
@@ -118,8 +118,8 @@ def test_the_front_of_error_against_margin():
     rows = [("none", 0.0, 3.0), ("reference", 1.5, 1.0), ("measured", 0.8, 0.7), ("inner_loop", 0.7, 0.9),
             ("dither", 3.0, 0.1), ("other", None, 0.0)]  # fmt: skip
     sine = Tracked(np.zeros(0), np.zeros(0), np.zeros(0), {})
-    found = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter(), sine) for kind, margin, worst in rows]
-    assert unbeaten(found) == [(0.8, 0.7), (1.5, 1.0)]
+    results = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter(), sine) for kind, margin, worst in rows]
+    assert unbeaten(results) == [(0.8, 0.7), (1.5, 1.0)]
 
 
 def test_errors_are_drawn_over_the_last_wave_and_after_its_reversal():
@@ -128,8 +128,8 @@ def test_errors_are_drawn_over_the_last_wave_and_after_its_reversal():
     t = np.linspace(0.0, 8.0, 801)
     tracked = [Tracked(t, np.sin(np.pi * t), np.sin(np.pi * t) - e, {}) for e in (2e-3, 3e-6)]
     remedies = zip(("none", "measured"), tracked, strict=True)
-    found = [CompensationResult(kind, 1.0, 0.0, 0.0, 0.0, hunter(), sine) for kind, sine in remedies]
-    wave, after = motions(found, 2.0, "m").draw().axes
+    results = [CompensationResult(kind, 1.0, 0.0, 0.0, 0.0, hunter(), sine) for kind, sine in remedies]
+    wave, after = motions(results, 2.0, "m").draw().axes
     assert wave.get_ylabel() == "error (mm)"
     assert [float(line.get_ydata().max()) for line in wave.lines] == pytest.approx([2.0, 3e-3])
     assert wave.lines[1].get_xdata()[[0, -1]] == pytest.approx([6.0, 8.0])

@@ -36,17 +36,17 @@ def test_a_motion_that_grows_on_its_way_to_rest_is_quiet():
 @pytest.mark.thorough
 def test_what_saturates_on_its_way_to_rest_is_quiet():
     sampling = {"period": 1e-3, "delay": 5e-4, "resolution": 2e-5}
-    found = from_starts(cascade(K_v=60.0, T_i=0.1, limit=40.0, sampling=sampling), "axis")
-    rests = {abs(s.off) for s in found if s.judgement.quiet and s.off}
+    fitted = from_starts(cascade(K_v=60.0, T_i=0.1, limit=40.0, sampling=sampling), "axis")
+    rests = {abs(s.off) for s in fitted if s.judgement.quiet and s.off}
     assert {0.00025, 0.0025} <= {float(f"{x:.3g}") for x in rests}
 
 
 def test_a_slow_integral_breaks_away_in_the_end():
     """It sticks for 185 s of each cycle, and the first verdict took more than 400 s."""
     guide = {"name": "elastoplastic", "z_ba": 8e-6, "parameters": SOFT}
-    (found,) = judge(loop(1.0, guide, [0.5, 1.5], 0.02, 40.0, kind="pid", K_p=40.0, K_i=2.0, K_d=8.0))
-    assert found.verdict == "hunting"
-    assert found.period == pytest.approx(373, rel=0.01)
+    (result,) = judge(loop(1.0, guide, [0.5, 1.5], 0.02, 40.0, kind="pid", K_p=40.0, K_i=2.0, K_d=8.0))
+    assert result.verdict == "hunting"
+    assert result.period == pytest.approx(373, rel=0.01)
 
 
 @pytest.mark.thorough
@@ -57,9 +57,9 @@ def test_a_slow_integral_breaks_away_in_the_end():
 def test_a_loop_of_which_no_row_can_be_simulated_is_not_judged_by_rows(gains, verdict):
     """One was called quiet by the rows before its equations were no longer finite, the other ended in a traceback."""
     guide = law("lugre", **SOFT)
-    (found,) = judge(loop(1.0, guide, [0.0, 0.8], 0.05, 1.0, kind="pid", K_d=2.0, **gains))
-    assert found.verdict == verdict
-    assert found.note
+    (result,) = judge(loop(1.0, guide, [0.0, 0.8], 0.05, 1.0, kind="pid", K_d=2.0, **gains))
+    assert result.verdict == verdict
+    assert result.note
 
 
 def test_gains_whose_product_is_no_number_are_refused():
@@ -72,11 +72,11 @@ def test_gains_whose_product_is_no_number_are_refused():
 @pytest.mark.thorough
 def test_a_narrow_quiet_stretch_is_found():
     """K_d from 100 to 126: runs at 102, 105, 110 and 120 rest, those at 98 and 130 hunt."""
-    made = loop(1.0, law("lugre", **SOFT), [0.5, 1.5], 0.05, 20.0, kind="pid", K_p=300.0, K_i=400.0, K_d=20.0)
-    found = line(made, Turned("controllers.axis.K_d", 60.0, 180.0))
-    assert [b.value for b in found.boundaries] == pytest.approx([100.0, 125.9, 156.8], rel=5e-3)
-    assert found.boundaries[0].above == "quiet"
-    assert found.resolution <= 0.035
+    built = loop(1.0, law("lugre", **SOFT), [0.5, 1.5], 0.05, 20.0, kind="pid", K_p=300.0, K_i=400.0, K_d=20.0)
+    result = line(built, Turned("controllers.axis.K_d", 60.0, 180.0))
+    assert [b.value for b in result.boundaries] == pytest.approx([100.0, 125.9, 156.8], rel=5e-3)
+    assert result.boundaries[0].above == "quiet"
+    assert result.resolution <= 0.035
 
 
 @pytest.mark.thorough
@@ -93,7 +93,7 @@ def test_an_irregular_cycle_whose_last_rows_hold_one_slip_hunts():
         {"body": {"mass": 1.2851176226912764}}, 1.0, energy=False, contacts={"guide": {"from": "body", "law": guide}},
         controllers={"axis": {**controller, **own, "sampling": sampling}},
     )  # fmt: skip
-    (found,) = judge(loop_of(Scenario(data)))
-    assert found.verdict == "hunting"
-    assert 0.03 < found.amplitude < 0.07
-    assert "by chance" in found.note
+    (result,) = judge(loop_of(Scenario(data)))
+    assert result.verdict == "hunting"
+    assert 0.03 < result.amplitude < 0.07
+    assert "by chance" in result.note

@@ -119,10 +119,10 @@ MACHINES = {
 @pytest.mark.parametrize("name", MACHINES)
 def test_columns(name):
     expected = apart.solve(MACHINES[name])
-    found = solved(MACHINES[name])
-    assert len(found.t) == len(expected["t"])
-    for column in found.columns:
+    solution = solved(MACHINES[name])
+    assert len(solution.t) == len(expected["t"])
+    for column in solution.columns:
         x = expected[column.name]
-        error = np.max(np.abs(found[column.name] - x)) / max(np.max(np.abs(x)), 1e-12)
+        error = np.max(np.abs(solution[column.name] - x)) / max(np.max(np.abs(x)), 1e-12)
         assert error <= (1e-6 if column.name.endswith((".y", ".v")) else 2e-5), column.name
-    assert found.peaks["E_in"] > 0
+    assert solution.peaks["E_in"] > 0

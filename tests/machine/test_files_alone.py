@@ -51,17 +51,17 @@ def apart():
         def within(t, x, low=begin + 1e-13, high=end - 1e-13):
             return rates(min(max(t, low), high), x)
 
-        found = solve_ivp(within, (begin, end), x, method="Radau", rtol=1e-9, atol=1e-13, dense_output=True)
-        rows += list(found.sol(t).T) if len(t) else []
-        x = found.y[:, -1]
+        solution = solve_ivp(within, (begin, end), x, method="Radau", rtol=1e-9, atol=1e-13, dense_output=True)
+        rows += list(solution.sol(t).T) if len(t) else []
+        x = solution.y[:, -1]
     return np.array(rows)
 
 
 def test_against_scipy():
-    found, expected = simulate(MACHINE), apart()
+    result, expected = simulate(MACHINE), apart()
     for name, theirs in (("a.y", expected[:, 0]), ("a.v", expected[:, 1])):
-        assert np.max(abs(found[name] - theirs)) <= 1e-6 * np.max(abs(theirs))
-    assert_balanced({n: found[n] for n in found})
+        assert np.max(abs(result[name] - theirs)) <= 1e-6 * np.max(abs(theirs))
+    assert_balanced({n: result[n] for n in result})
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
@@ -71,9 +71,9 @@ def test_exported(tmp_path):
     source, run = [str(tmp_path / f) for f in ("machine.c", "machine_run.c")], str(tmp_path / "run")
     subprocess.run(["cc", "-std=c99", "-O1", *source, "-o", run, "-lm"], check=True)
     head, *rows = subprocess.run([run], capture_output=True, text=True, check=True).stdout.splitlines()
-    theirs, found = np.array([[float(x) for x in row.split(",")] for row in rows]).T, simulate(MACHINE)
+    theirs, result = np.array([[float(x) for x in row.split(",")] for row in rows]).T, simulate(MACHINE)
     for name, column in zip(head.split(","), theirs, strict=True):
-        np.testing.assert_allclose(column, found[name], rtol=0, atol=1e-6 * np.max(abs(found[name])), err_msg=name)
+        np.testing.assert_allclose(column, result[name], rtol=0, atol=1e-6 * np.max(abs(result[name])), err_msg=name)
 
 
 def test_sums_are_sums():
@@ -87,9 +87,9 @@ def test_sums_are_sums():
     assert signal.longest_step == Sine(0.2, 5.0).built.longest_step
     two = Sum((Sine(1.0, 1.0), Sine(0.5, 1.0))).built  # 1.5 sin(2 pi t)
     np.testing.assert_allclose(two.turns(1.0), [0.25, 0.75], atol=1e-12)
-    found = two.crossings(0.75, 1.0)
-    np.testing.assert_allclose([t for t, _ in found], np.array([1, 5, 7, 11]) / 12, atol=1e-12)
-    assert [rises for _, rises in found] == [True, False, True, False]
+    result = two.crossings(0.75, 1.0)
+    np.testing.assert_allclose([t for t, _ in result], np.array([1, 5, 7, 11]) / 12, atol=1e-12)
+    assert [rises for _, rises in result] == [True, False, True, False]
     jumps = Sum((Square(1.0, 1.0, 1), Square(1.0, 1.0, 1))).built
     assert jumps.crossings(1.5, 2.0) == [(1.0, False)]
 

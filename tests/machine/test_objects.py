@@ -25,7 +25,7 @@ def test_a_file_as_objects():
     """Part by part, the example of an arm."""
     bearing = {"sigma_0": 3.0, "sigma_1": 4e-3, "sigma_2": 3e-5, "F_c": 8e-3, "F_s": 0.012, "v_s": 1.5}
     seal = {"sigma_0": 1.2e3, "sigma_1": 4.0, "sigma_2": 0.05, "F_c": 0.3, "F_s": 0.42, "v_s": 0.03}
-    made = st.Machine(
+    machine = st.Machine(
         st.Body("rotor", inertia=6e-5, y=0.0, v=0.0), st.Body("arm", inertia=0.12),
         st.Link("gear", "rotor", "arm", ratio=0.02, stiffness=4e3, damping=5.0),
         st.Contact("bearing", "rotor", {"name": "lugre_majorant", "k_v": 2e3, "parameters": bearing}),
@@ -43,7 +43,7 @@ def test_a_file_as_objects():
         name="arm",
     )  # fmt: skip
     expected = tomllib.loads(examples.path("arm").read_text())
-    assert made.scenario(1.5, 2e-3, energy=True).data == expected
+    assert machine.scenario(1.5, 2e-3, energy=True).data == expected
 
 
 def test_the_example_of_the_documentation():
@@ -84,15 +84,15 @@ def test_an_element_is_its_equations():
 
 
 def test_a_body_whose_velocity_is_given_may_turn():
-    made = st.Machine(st.Body("a", velocity=st.signals.Sine(1.0, 1.0), rotary=True), st.Contact("c", "a", LAW))
-    units = {c.name: c.unit for c in made.scenario(1.0).system.columns}
+    machine = st.Machine(st.Body("a", velocity=st.signals.Sine(1.0, 1.0), rotary=True), st.Contact("c", "a", LAW))
+    units = {c.name: c.unit for c in machine.scenario(1.0).system.columns}
     assert (units["a.v"], units["c.F"]) == ("rad/s", "N m")
 
 
 def test_the_bristles_of_a_contact_may_begin_deflected():
     start = 3e-6
-    made = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", LAW, initial={"z": start}))
-    s = st.simulate(made, t_end=1e-3, step=1e-4)
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", LAW, initial={"z": start}))
+    s = st.simulate(machine, t_end=1e-3, step=1e-4)
     assert s["c.z"][0] == start
     assert s["c.F"][0] == pytest.approx(1e5 * start)
 
@@ -108,19 +108,19 @@ def test_a_law_of_ones_own_in_a_contact():
             return v - abs(v) * p.sigma_0 / p.F_c * z
 
     p = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 0.1, "F_c": 1.0, "F_s": 1.0, "v_s": 0.01}
-    made = st.Machine(
+    machine = st.Machine(
         st.Body("a", mass=1.0), st.Contact("c", "a", Own(p)), st.Load.follow("p", "a", st.signals.Sine(2.0, 1.0))
     )
-    assert made.scenario(1.0).law.values["F_c"] == 1.0
-    assert "mass 1 kg" in made.show()
+    assert machine.scenario(1.0).law.values["F_c"] == 1.0
+    assert "mass 1 kg" in machine.show()
 
 
 def test_a_law_does_not_change():
     """An attribute that nobody reads would be taken for a change."""
-    made = st.law("lugre", parameters="canudas1995")
+    law = st.law("lugre", parameters="canudas1995")
     with pytest.raises(AttributeError, match=r"F_s: a law does not change; replace\(F_s=VALUE\) makes another"):
-        made.F_s = 2.0
-    assert made.replace(F_s=2.0).p.F_s == 2.0
+        law.F_s = 2.0
+    assert law.replace(F_s=2.0).p.F_s == 2.0
 
 
 def test_every_number_of_a_file_or_law_has_a_unit():
@@ -146,5 +146,5 @@ def test_a_link_leads_to_the_ground_unless_it_says_where():
         "schema": 2, "bodies": {"slide": {"mass": 1.0, "initial": {"y": 0.1}}}, "links": {"spring": link},
         "solve": {"t_end": 1.0}, "output": {"step": 0.1},
     }  # fmt: skip
-    said = {**data, "links": {"spring": {**link, "to": "ground"}}}
-    np.testing.assert_array_equal(st.simulate(data)["slide.y"], st.simulate(said)["slide.y"])
+    text = {**data, "links": {"spring": {**link, "to": "ground"}}}
+    np.testing.assert_array_equal(st.simulate(data)["slide.y"], st.simulate(text)["slide.y"])

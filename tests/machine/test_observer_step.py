@@ -33,5 +33,5 @@ def test_step(name, own):
                 exact = solve_ivp(
                     lambda t, z, speed=speed: [rates(speed, z[0])[0]], (0, time), [start], "LSODA", rtol=1e-10, atol=1e-14
                 ).y[0, -1]  # fmt: skip
-                found = step(start, speed, time, *law.p.numbers.values())[0]
-                assert found == pytest.approx(exact, rel=0, abs=1e-5 * Z), (speed, far, start)
+                result = step(start, speed, time, *law.p.numbers.values())[0]
+                assert result == pytest.approx(exact, rel=0, abs=1e-5 * Z), (speed, far, start)

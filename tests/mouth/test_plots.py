@@ -44,9 +44,9 @@ def test_a_figure_is_the_same_text_each_time_and_also_a_picture():
     figure = plots.drawn(drawing.overview({"a": solution}))
     assert not re.search(r">[^<]*\de-?\d[^<]*</text>", figure.svg)  # no 1e-3 above an axis
     with plots.style():
-        made = drawing.overview({"a": solution}).draw()
-        assert plots.svg(made) == figure.svg
-        assert plots.png(made).startswith(b"\x89PNG")
+        built = drawing.overview({"a": solution}).draw()
+        assert plots.svg(built) == figure.svg
+        assert plots.png(built).startswith(b"\x89PNG")
 
 
 def test_rotary_can_be_said_no_to_and_is_kept_by_changes():
@@ -62,18 +62,18 @@ def test_rotary_can_be_said_no_to_and_is_kept_by_changes():
 
 @pytest.mark.parametrize(("verdicts", "shown"), [(("quiet", "failed"), True), (("quiet", "hunting"), False)])
 def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
-    found = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
+    results = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
-    line = SimpleNamespace(judgements=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
+    line = SimpleNamespace(judgements=results, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
     assert (">failed<" in svg(design_figures.line(line, 0))) is shown
 
 
 def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):
     """A line of 350 characters stood on the screen of a user without a home."""
     words = "from stribeck.mouth import plots\nwith plots.style():\n    plots.figure([['a']], 2.0)\n"
-    told = os.environ | {"MPLCONFIGDIR": str(tmp_path / "file" / "below")}
+    reported = os.environ | {"MPLCONFIGDIR": str(tmp_path / "file" / "below")}
     (tmp_path / "file").touch()
-    done = subprocess.run([sys.executable, "-c", words], env=told, capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", words], env=reported, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
 
 

@@ -15,9 +15,9 @@ pytestmark = pytest.mark.pictures
 
 def drawn(draw, layout=(("a",),)):
     with plots.style():
-        made, axes = plots.figure(layout, 2.5)
+        built, axes = plots.figure(layout, 2.5)
         draw(axes)
-        text = plots.svg(made)
+        text = plots.svg(built)
     return text, json.loads(unescape(re.search(r'<svg data-axes="([^"]*)"', text)[1]))
 
 
@@ -63,9 +63,9 @@ def test_what_cannot_be_read_is_left_out():
         axes["b"].set_yticks([0, 1, 2], ["hunts", "stands", "law 2"])
         axes["b"].set_xticks([1, 3], ["1", "3"])
 
-    _, told = drawn(draw, [["a", "b"]])
-    assert [panel["y"].get("words") for panel in told] == [[[0.0, "hunts"], [1.0, "stands"], [2.0, "law 2"]]]
-    assert "words" not in told[0]["x"]  # numbers
+    _, reported = drawn(draw, [["a", "b"]])
+    assert [panel["y"].get("words") for panel in reported] == [[[0.0, "hunts"], [1.0, "stands"], [2.0, "law 2"]]]
+    assert "words" not in reported[0]["x"]  # numbers
 
 
 def test_a_map_tells_its_cells_and_not_its_key():

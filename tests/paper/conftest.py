@@ -66,9 +66,9 @@ def report(tmp_path_factory, worker_id):
 def chapter(tmp_path):
     """Makes one chapter that needs no other: its numbers, and its tables as a page shows them."""
 
-    def made(name):
+    def built(name):
         done = importlib.import_module(f"examples.paper.{name}").chapter({})
         (tmp_path / "report.html").write_text(html("", "", (), [done]), encoding="utf-8")
         return Report(tmp_path, {"chapters": {done.key: done.numbers}})
 
-    return made
+    return built

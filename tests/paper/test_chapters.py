@@ -20,11 +20,11 @@ def test_the_matrix(report):
         "elastoplastic_majorant": "YYYNY",
         "dahl": "YYNYN",
     }
-    found = {
+    result = {
         name: "".join({True: "Y", False: "N", None: "?"}[holds] for holds in verdicts.values())
         for name, verdicts in report.numbers("guarantees")["verdicts"].items()
     }
-    assert found == expected
+    assert result == expected
     assert [row[2] for row in report.tables("guarantees")[1][1:]] == [
         "confirmed", "settled: not bounded", "confirmed", "does not hold", "confirmed with a remark", "possible",
     ]  # fmt: skip
@@ -42,23 +42,23 @@ def test_the_evidence(report):
         "lugre_majorant, compact": 0.5895e-6,
     }  # fmt: skip
     for label, speed in speeds.items():
-        for i, found in enumerate(numbers["creep"][label].values()):
-            assert found == pytest.approx(speed / 10**i, rel=0.005), label
+        for i, result in enumerate(numbers["creep"][label].values()):
+            assert result == pytest.approx(speed / 10**i, rel=0.005), label
     sine, saw = numbers["drift"].values()
     assert sine["lugre"] == pytest.approx(0.24e-3, abs=0.005e-3)
     assert saw["elastoplastic_sobczyk"] / 16 == pytest.approx(1.12e-6, rel=0.05)
-    for found in (sine, saw):
-        assert abs(found["elastoplastic"]) < 1e-15
-        assert abs(found["elastoplastic_majorant"]) < 1e-15
-        assert found["lugre_majorant"] == pytest.approx(found["lugre"], rel=0.05)
+    for result in (sine, saw):
+        assert abs(result["elastoplastic"]) < 1e-15
+        assert abs(result["elastoplastic_majorant"]) < 1e-15
+        assert result["lugre_majorant"] == pytest.approx(result["lugre"], rel=0.05)
 
 
 @pytest.mark.thorough
 def test_which_k_v(chapter):
     """The larger is for creep: theory.md has 12.7/k_v for the paper's law."""
-    found = chapter("which_k_v").numbers("which_k_v")
-    assert found["lugre_sobczyk"]["k_v"] == pytest.approx(12.7e6, rel=0.005)
-    by_name = {each["name"]: each["k_v"] for each in found["lugre_majorant"]["requirements"]}
+    result = chapter("which_k_v").numbers("which_k_v")
+    assert result["lugre_sobczyk"]["k_v"] == pytest.approx(12.7e6, rel=0.005)
+    by_name = {each["name"]: each["k_v"] for each in result["lugre_majorant"]["requirements"]}
     assert by_name["error of steady friction at 0.0001 m/s"] == pytest.approx(
         (2 / (3 * pi * 0.01)) ** (1 / 3) / 1e-4, rel=0.1
     )
@@ -68,19 +68,19 @@ def test_which_k_v(chapter):
 def test_the_joint(chapter):
     """The majorant mesh stays displaced; the load's friction makes the loop hunt; the proof needs v_d."""
     report = chapter("joint")
-    found = report.numbers("joint")
-    left, moves = found["left_behind"], found["hunting"]
+    result = report.numbers("joint")
+    left, moves = result["left_behind"], result["hunting"]
     assert abs(left["lugre_majorant"]) > 10 * abs(left["elastoplastic_majorant"])
     assert moves["friction with its load"] > 0.01 > 0.001 > moves["without"]
-    assert found["passive"] == {"bearing": True, "mesh": True}
-    assert found["swung"]["energy_drawn_per_cycle"] > 0
+    assert result["passive"] == {"bearing": True, "mesh": True}
+    assert result["swung"]["energy_drawn_per_cycle"] > 0
     assert report.tables("joint")[0][3][-1].startswith("no")
 
 
 def test_the_axis(chapter):
     """Compensation lowers the error; 5 % beyond the share that is named the slide runs away."""
-    found = chapter("axis").numbers("axis")
-    worst, over = found["worst"], found["over_compensation"]
+    result = chapter("axis").numbers("axis")
+    worst, over = result["worst"], result["over_compensation"]
     assert worst["none"] > 3 * worst["reference"] > 0
     assert worst["none"] > 3 * worst["measured"] > 0
     assert 0.8 < over["worst_share"] < over["share"] <= 1.0 + 1e-9

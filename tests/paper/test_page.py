@@ -44,8 +44,8 @@ def test_numbers(report):
     assert list(cycle["overshoot"].values()) == pytest.approx([1.50047] * 4, abs=1e-5)
     away = chapters["break_away"]
     known = {1.0: 1.43242, 5.0: 1.31321, 10.0: 1.21995, 20.0: 1.09861, 30.0: 1.02449, 40.0: 1.00425, 50.0: 1.00747}
-    found = dict(zip(away["rates"], away["forces"]["lugre"], strict=True))
-    assert {rate: found[rate] for rate in known} == pytest.approx(known, abs=1.1e-5)
+    result = dict(zip(away["rates"], away["forces"]["lugre"], strict=True))
+    assert {rate: result[rate] for rate in known} == pytest.approx(known, abs=1.1e-5)
     assert 0 < away["largest_shortfall"][two] < 5e-4
     assert 0 < away["largest_shortfall"][one] < 4.1e-3
     sine, sawtooth = chapters["evidence"]["drift"].values()

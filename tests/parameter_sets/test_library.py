@@ -9,17 +9,17 @@ from stribeck.parameter_sets.library import machine_sets
 
 @pytest.mark.parametrize("name", machine_sets())
 def test_each_machine_is_valid_and_says_where_it_is_from(name):
-    found = machine_sets()[name]
-    Scenario(dict(found.machine))
+    result = machine_sets()[name]
+    Scenario(dict(result.machine))
     for word in ("title", "source", "license", "date", "record", "holds", "command"):
-        assert len(getattr(found, word)) > 3, word
-        assert getattr(found, word) != word
-    assert found.origin in ("published", "fitted")
-    assert found.record.startswith("https://")
-    assert all(isinstance(p["value"], float) for p in found.parameters.values())
-    for path, p in found.parameters.items():
-        if found.origin == "fitted":
-            value = found.machine
+        assert len(getattr(result, word)) > 3, word
+        assert getattr(result, word) != word
+    assert result.origin in ("published", "fitted")
+    assert result.record.startswith("https://")
+    assert all(isinstance(p["value"], float) for p in result.parameters.values())
+    for path, p in result.parameters.items():
+        if result.origin == "fitted":
+            value = result.machine
             for word in path.split("."):
                 value = value[int(word)] if isinstance(value, list) else value[word]
             assert value == pytest.approx(p["value"])

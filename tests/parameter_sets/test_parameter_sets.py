@@ -21,13 +21,13 @@ def test_a_file(tmp_path):
     path.write_text(
         "title = 'Mine'\nsource = 'measured'\nmotion = 'rotary'\n[parameters]\nF_c = 1\nF_s = {value = 2.0, low = 1.9}\n"
     )
-    found = load("mine.toml", tmp_path)
-    assert (found.name, found.title, found.source, found.motion) == ("mine", "Mine", "measured", "rotary")
-    assert found.values == {"F_c": 1, "F_s": 2.0}
-    assert load(str(path)).values == found.values
+    result = load("mine.toml", tmp_path)
+    assert (result.name, result.title, result.source, result.motion) == ("mine", "Mine", "measured", "rotary")
+    assert result.values == {"F_c": 1, "F_s": 2.0}
+    assert load(str(path)).values == result.values
     path.write_text("F_c = 1.0\nF_s = 2.0\nname = 'mine'\nschema = 1\n")
-    found = load(str(path))
-    assert (found.values, found.title, found.motion) == ({"F_c": 1.0, "F_s": 2.0}, "", "linear")
+    result = load(str(path))
+    assert (result.values, result.title, result.motion) == ({"F_c": 1.0, "F_s": 2.0}, "", "linear")
 
 
 def test_sets_are_told_apart_by_their_hash():

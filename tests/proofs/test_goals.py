@@ -34,9 +34,9 @@ def dissipation(name, form=USUAL):
 def test_a_certificate_of_a_law_is_checked_by_coq(tmp_path):
     """lugre_majorant, Table 1 with sigma_2 = 200: the power lost at the z that loses least, up to the speed at which that z
     is the bound, and at the bound beyond; from 0.15 mm/s to 0.15 m/s."""
-    found = law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6)
+    result = law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6)
     lost, p = dissipation("lugre_majorant")
-    fixed = {n: (x, x) for n, x in found.values.items() if x is not None}
+    fixed = {n: (x, x) for n, x in result.values.items() if x is not None}
     q = SimpleNamespace(**{n: Fraction(x) for n, (x, _) in fixed.items()})
     turn = 2 * q.F_s / q.sigma_1
     slow = substitute([lost], {z: p.sigma_1 * v / (2 * p.sigma_0)})[0]
@@ -78,9 +78,9 @@ def test_goals_of_a_file(certificates, tmp_path, capsys):
 @needs_coq
 def test_a_wrong_certificate_is_refused(tmp_path):
     """Table 1 itself is not passive: the same inequality fails."""
-    found = law("lugre_majorant", "canudas1995", k_v=1e6)
+    result = law("lugre_majorant", "canudas1995", k_v=1e6)
     lost, p = dissipation("lugre_majorant")
-    fixed = {n: (x, x) for n, x in found.values.items() if x is not None}
+    fixed = {n: (x, x) for n, x in result.values.items() if x is not None}
     fast = substitute([lost], {z: p.F_s / p.sigma_0})[0]
     answer = compiles(coq.GOAL_HEADER + coq.coq_goal(fast, {**fixed, "v": (0.5, 1)}), tmp_path)
     assert answer.returncode != 0
@@ -92,12 +92,12 @@ def test_terms_mean_what_is_evaluated(tmp_path):
     """The force of every law without cases, as a term, has the value that is simulated: within 1e-12, by intervals."""
     rng, goals = random.Random(5), []
     for name in ("lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "dahl"):
-        found = law(name, "canudas1995", **({} if name in ("lugre", "dahl") else {"k_v": 1e4}))
+        result = law(name, "canudas1995", **({} if name in ("lugre", "dahl") else {"k_v": 1e4}))
         at = {"v": rng.uniform(-0.01, 0.01), "z": rng.uniform(-1e-5, 1e-5)}
-        p = type(found).symbolic(symbol, found.form)
-        force = found.friction(p, v, z, found.dz_dt(p, v, z))
-        numbers = {n: a for n, a in {**found.values, **at}.items() if a is not None}
-        value = float(found.force(at["v"], at["z"]))
+        p = type(result).symbolic(symbol, result.form)
+        force = result.friction(p, v, z, result.dz_dt(p, v, z))
+        numbers = {n: a for n, a in {**result.values, **at}.items() if a is not None}
+        value = float(result.force(at["v"], at["z"]))
         box = {n: (a, a) for n, a in numbers.items()}
         near = 1e-12 * max(1.0, abs(value))
         goals += [

@@ -41,9 +41,9 @@ def certificates(name: str) -> dict[str, dict[str, Any]]:
 @pytest.mark.share(3)
 @pytest.mark.parametrize("name", LAWS)
 def test_each_yes_is_confirmed(name):
-    found = certificates(name)
-    assert found
-    for what, certificate in found.items():
+    result = certificates(name)
+    assert result
+    for what, certificate in result.items():
         assert refusals(certificate, law(name), what) == []
 
 
@@ -107,9 +107,9 @@ def test_a_bound_of_the_slope_that_sampling_only_just_meets_is_confirmed():
 
 def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
     monkeypatch.setattr(stribeck_verify, "verify", lambda *a: ["told to refuse"])
-    found = stribeck.check(law("dahl"))
-    assert {v.holds for v in found.properties.values()} <= {None, False}
-    assert "told to refuse" in found["bounded"].evidence["reason"]
+    verdicts = stribeck.check(law("dahl"))
+    assert {v.holds for v in verdicts.properties.values()} <= {None, False}
+    assert "told to refuse" in verdicts["bounded"].evidence["reason"]
 
 
 @pytest.mark.share(3)
@@ -118,9 +118,9 @@ def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
 )
 def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v, smooth_abs):
     law = stribeck.law("lugre_majorant", MILD, k_v=k_v, smooth_abs=smooth_abs)
-    found = stribeck.check(law)
-    assert found["bounded"].holds
-    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
+    verdicts = stribeck.check(law)
+    assert verdicts["bounded"].holds
+    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in verdicts.properties.values())
     assert smooth_abs != "sqrt" or law.rate(1e-3, 1e-6) == -math.inf  # as NumPy has it, and no exception
 
 
@@ -130,9 +130,9 @@ def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v, smooth_abs):
     [{"sigma_0": 1e-100}, {"sigma_1": 1e160}, {"sigma_2": 1e200}, {"v_s": 5e-324}, {"F_c": 1e307, "F_s": 1.7e308}],
 )
 def test_constants_at_the_ends_of_the_floats_are_decided(change):
-    found = stribeck.check(stribeck.law("lugre", {**MILD, **change}))
-    assert [found[n].holds for n in ("unique", "bounded", "drift_free")] == [True, True, False]
-    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
+    verdicts = stribeck.check(stribeck.law("lugre", {**MILD, **change}))
+    assert [verdicts[n].holds for n in ("unique", "bounded", "drift_free")] == [True, True, False]
+    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in verdicts.properties.values())
 
 
 def test_a_set_a_billionth_below_the_condition_is_refuted():

@@ -52,19 +52,19 @@ def test_both_sides_of_the_bound(name):
 
 def test_all_properties():
     law = at("lugre_majorant", 0.9)
-    found = check(law, level=(1.0, 2.0))
-    assert [found[n].holds for n in stribeck.properties.NAMES] == [True, True, True, False, False]
-    assert found["bounded"].evidence["Z"] == pytest.approx(3e-5)
-    assert found.verify()
-    assert found["passive"].verified
+    verdicts = check(law, level=(1.0, 2.0))
+    assert [verdicts[n].holds for n in stribeck.properties.NAMES] == [True, True, True, False, False]
+    assert verdicts["bounded"].evidence["Z"] == pytest.approx(3e-5)
+    assert verdicts.verify()
+    assert verdicts["passive"].verified
     assert stribeck.check(law)["passive"].holds  # while the level is held
 
 
 def test_a_proof_about_other_ranges_is_not_taken():
-    found = check(at("lugre", 1.1), level=(1.0, 2.0))
-    assert found.verify()
-    found.varied = Varied.by_level(found.law, 1.0, 2.5)
-    assert not found.verify()
+    verdicts = check(at("lugre", 1.1), level=(1.0, 2.0))
+    assert verdicts.verify()
+    verdicts.varied = Varied.by_level(verdicts.law, 1.0, 2.5)
+    assert not verdicts.verify()
 
 
 @pytest.mark.share(5)
@@ -96,8 +96,8 @@ def test_the_counterexample_replays_and_an_other_solver_agrees():
             dz = v - abs(v) / g * x[0]
             return [dz, (p.sigma_0 * x[0] + p.sigma_1 * dz + p.sigma_2 * v) * v]
 
-        found = solve_ivp(rates, (0, end - begin), [z, energy], method="Radau", rtol=1e-10, atol=[1e-16, 1e-14])
-        z, energy = found.y[:, -1]
+        solution = solve_ivp(rates, (0, end - begin), [z, energy], method="Radau", rtol=1e-10, atol=[1e-16, 1e-14])
+        z, energy = solution.y[:, -1]
     assert energy == pytest.approx(verdict.stated["E_in"], rel=1e-5)
     drawn = verdict.evidence["enclosed"]["energy_drawn_per_cycle"]
     assert 0 < drawn[0] <= verdict.evidence["energy_drawn_per_cycle"] <= drawn[1]
@@ -161,10 +161,10 @@ def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
 
 def test_a_level_without_end():
     law = stribeck.law("lugre", {**TABLE, "sigma_2": 0.4}, v_d=0.02)
-    found = check_varied(Varied(law, {"F_c": (Fraction(1), None), "F_s": (Fraction(3, 2), None)}), None, 2400.0)
-    assert found["passive"].holds
-    assert found["bounded"].holds is None
-    assert found.verify()
+    result = check_varied(Varied(law, {"F_c": (Fraction(1), None), "F_s": (Fraction(3, 2), None)}), None, 2400.0)
+    assert result["passive"].holds
+    assert result["bounded"].holds is None
+    assert result.verify()
 
 
 def test_other_laws():
@@ -196,9 +196,9 @@ def test_a_law_of_a_users_own_is_never_proved_but_may_be_refuted():
 
     law = at("lugre", 2.0)
     mine = Mine(law.values)
-    found = check(mine, level=(1.0, 2.0))
-    assert found["passive"].holds is None
-    assert found["unique"].holds is None
+    verdicts = check(mine, level=(1.0, 2.0))
+    assert verdicts["passive"].holds is None
+    assert verdicts["unique"].holds is None
     assert passive_only(Mine(at("lugre", 0.3).values), 1.0, 2.0).holds is False
 
 

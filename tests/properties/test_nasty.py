@@ -21,11 +21,11 @@ ONCE_MISTREATED = ("ThirteenthOfManyWindows", "ConditionsWithoutEnd", "ChainOfEq
 
 def wrong(case: Case) -> list[str]:
     """The verdicts on a law that contradict its truth."""
-    found = stribeck.check(case.law())
+    result = stribeck.check(case.law())
     return [
-        f"{case.kind}.{case.name}: {name}: {found[name].holds}, true is {case.truth[name]}: {found[name].method}"
+        f"{case.kind}.{case.name}: {name}: {result[name].holds}, true is {case.truth[name]}: {result[name].method}"
         for name in PROPERTIES
-        if None not in (found[name].holds, case.truth[name]) and found[name].holds is not case.truth[name]
+        if None not in (result[name].holds, case.truth[name]) and result[name].holds is not case.truth[name]
     ]
 
 
@@ -47,8 +47,8 @@ def test_every_law_states_its_truth_and_derives_it():
 def test_nested_cases_cost_no_more_than_their_number():
     """Each of twenty windows doubled the work of the one before; and a condition joined with z < inf was refused."""
     laws = {case.name: case.law() for case in ALL if case.name in ONCE_MISTREATED}
-    found = Checked(laws["ThirteenthOfManyWindows"], None, WORK).bounded()
-    assert found.holds
+    result = Checked(laws["ThirteenthOfManyWindows"], None, WORK).bounded()
+    assert result.holds
     assert stribeck.check(laws["ConditionsWithoutEnd"])["passive"].holds
 
 

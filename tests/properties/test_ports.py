@@ -37,8 +37,8 @@ def machine(law=None, **contact):
 
 
 def ranges(**contact):
-    made = Scenario(machine(**contact)).elements
-    return of_contact(made, made.system.contacts[0], 2.0, {}).to_dict()
+    scenario = Scenario(machine(**contact)).elements
+    return of_contact(scenario, scenario.system.contacts[0], 2.0, {}).to_dict()
 
 
 @pytest.mark.parametrize(("kind", "given"), [
@@ -76,10 +76,10 @@ def test_a_range_is_that_of_the_run_and_hardly_more(kind, given, t_end):
 
 
 def test_forces():
-    made = Scenario(machine()).elements
+    scenario = Scenario(machine()).elements
     for name, expected in {"gravity": (-3, 3), "push": (-7, -3), "teeth": (-0.75, 0.75), "gear": (None, None)}.items():
-        assert of_force(made, name, 2.0, {}) == expected
-    assert of_force(made, "gear", 2.0, {"gear": 40.0}) == (-40, 40)
+        assert of_force(scenario, name, 2.0, {}) == expected
+    assert of_force(scenario, "gear", 2.0, {"gear": 40.0}) == (-40, 40)
 
 
 def test_ranges_of_constants():
@@ -93,20 +93,20 @@ def test_ranges_of_constants():
     assert squared == {"F_c": [1.0, pytest.approx(1.0 + 0.1 * 6.5**2)]}
     waves = {"amplitude": [0.25, -0.25], "waves": [80, 3], "phase": [0.0, 1.0]}
     warm = {"signal": {"kind": "points", "t": [0, 600], "value": [1.0, 0.4]}}
-    found = ranges(factors={"level": waves, "sigma_2": warm}, loads=[{"force": "gravity", "F_c": 1.0, "F_s": 1.0}])
-    assert found["F_c"] == [0.5, 6.0]
-    assert found["F_s"] == [0.75, 6.75]
-    assert found["sigma_2"] == [pytest.approx(60 * (1 - 0.6 * 2 / 600)), 60.0]
+    result = ranges(factors={"level": waves, "sigma_2": warm}, loads=[{"force": "gravity", "F_c": 1.0, "F_s": 1.0}])
+    assert result["F_c"] == [0.5, 6.0]
+    assert result["F_s"] == [0.75, 6.75]
+    assert result["sigma_2"] == [pytest.approx(60 * (1 - 0.6 * 2 / 600)), 60.0]
 
 
 def test_a_passive_machine():
-    found = stribeck.check(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
-    assert found.passive is True
-    assert "machine_passive" in found.why
-    assert found["mesh"].level == {"F_c": [1.0, None], "F_s": [1.5, None]}
-    assert set(found.ports) == {"loads.push", "loads.teeth"}
-    assert found.verify()
-    assert found.to_dict()["machine"]["passive"] is True
+    result = stribeck.check(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    assert result.passive is True
+    assert "machine_passive" in result.why
+    assert result["mesh"].level == {"F_c": [1.0, None], "F_s": [1.5, None]}
+    assert set(result.ports) == {"loads.push", "loads.teeth"}
+    assert result.verify()
+    assert result.to_dict()["machine"]["passive"] is True
 
 
 @pytest.mark.parametrize(("sigma_2", "holds"), [(8.3, False), (8.4, True)])
@@ -115,27 +115,27 @@ def test_a_load_that_is_held_raises_the_level(sigma_2, holds):
     law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": sigma_2}}
     held = {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": "points", "t": [0.0], "value": [10.0]}}}
     table = {**machine(law, loads=[{"force": "push", "F_c": 0.02, "F_s": 0.07}]), "loads": held}
-    found = stribeck.check(table)
-    assert found["mesh"]["passive"].holds is holds
-    assert found["mesh"].level == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
-    assert found["mesh"]["unique"].holds
-    assert found.verify()
+    result = stribeck.check(table)
+    assert result["mesh"]["passive"].holds is holds
+    assert result["mesh"].level == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
+    assert result["mesh"]["unique"].holds
+    assert result.verify()
 
 
 def test_a_level_without_end_is_swung_above_its_lowest():
-    made = Scenario(
+    scenario = Scenario(
         machine(loads=[{"force": "push", "F_c": 100.0, "F_s": 200.0}, {"force": "gear", "F_c": 0.1, "F_s": 0.1}])
     ).elements
-    varied = of_contact(made, made.system.contacts[0], 2.0, {})
+    varied = of_contact(scenario, scenario.system.contacts[0], 2.0, {})
     assert varied.range("F_c") == (301, None)
     assert varied.extreme(1, Fraction(3)).p.F_c > varied.extreme(-1).p.F_c == 301
 
 
 def test_a_contact_spoils_it_and_the_run_shows_how():
-    found = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
-    assert found.passive is None
-    assert found.spoiled_by == ["mesh"]
-    verdict = found["mesh"]["passive"]
+    result = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    assert result.passive is None
+    assert result.spoiled_by == ["mesh"]
+    verdict = result["mesh"]["passive"]
     assert verdict.holds is False
     assert replay.repeats(verdict.scenario, verdict.stated)
     assert verdict.stated["E_in"] < 0
@@ -148,8 +148,8 @@ def test_a_contact_spoils_it_and_the_run_shows_how():
 def test_other_constants_that_vary():
     """sigma_2 falls to a tenth: the constants are passive at the start, and no longer at the end."""
     signal = {"kind": "points", "t": [0, 2], "value": [1.0, 0.05]}
-    found = stribeck.check(machine(factors={"sigma_2": {"signal": signal}}))
-    verdict = found["mesh"]["passive"]
+    result = stribeck.check(machine(factors={"sigma_2": {"signal": signal}}))
+    verdict = result["mesh"]["passive"]
     assert verdict.holds is False
     assert replay.repeats(verdict.scenario, verdict.stated)
 
@@ -157,18 +157,18 @@ def test_other_constants_that_vary():
 def test_laws_without_z():
     table = {**PASSIVE, "sigma_2": 1.0}
     law = {"name": "stribeck_tanh", "k_v": 100.0, "parameters": table}
-    found = stribeck.check(machine(law, loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]))
-    assert found["mesh"]["passive"].holds
-    assert found.passive
+    result = stribeck.check(machine(law, loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]))
+    assert result["mesh"]["passive"].holds
+    assert result.passive
 
 
 def test_a_single_body():
     law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": 1.0}}
     given = {"law": law, "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
              "solve": {"t_end": 1.0}, "output": {"step": 0.1}}  # fmt: skip
-    found = stribeck.check(given)
-    assert found.passive is False
-    assert found.spoiled_by == [ports.ONLY]
+    result = stribeck.check(given)
+    assert result.passive is False
+    assert result.spoiled_by == [ports.ONLY]
     better = stribeck.check({**given, "law": {"name": "lugre", "parameters": PASSIVE}})
     assert better.passive
 
@@ -180,23 +180,23 @@ def varying(law, **factors):
 
 def test_the_elastic_range_is_the_smallest_that_there_is():
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
-    made = Scenario(varying(law, z_ba=(1.0, 0.5))).elements
+    scenario = Scenario(varying(law, z_ba=(1.0, 0.5))).elements
     proofs = {}
-    found = CheckedAlways(of_contact(made, made.system.contacts[0], 2.0, {}), None, 2400.0, proofs).decided(
+    result = CheckedAlways(of_contact(scenario, scenario.system.contacts[0], 2.0, {}), None, 2400.0, proofs).decided(
         "drift_free"
     )
-    assert found.holds
-    assert found.evidence["z_0"] == pytest.approx(4e-5)
-    assert refusals(found.certificate, proofs["drift_free"], "drift_free") == []
+    assert result.holds
+    assert result.evidence["z_0"] == pytest.approx(4e-5)
+    assert refusals(result.certificate, proofs["drift_free"], "drift_free") == []
 
 
 @pytest.mark.parametrize("name", ["F_c", "F_s", "level"])
 def test_a_level_below_the_elastic_range_is_refused(name):
     """With g below z_ba no z is plastic, and it grows without end: it was said to be bounded where F_s fell."""
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
-    with pytest.raises(InputError, match=rf"mesh\.factors\.{name}: z_ba .*must stay below F_[cs]/sigma_0") as told:
+    with pytest.raises(InputError, match=rf"mesh\.factors\.{name}: z_ba .*must stay below F_[cs]/sigma_0") as reported:
         stribeck.check(varying(law, **{name: (1.0, 0.5)}))
-    assert len(told.value.problems) == 1
+    assert len(reported.value.problems) == 1
 
 
 @pytest.mark.parametrize("name", ["coulomb_viscous", "stribeck", "stribeck_tanh"])
@@ -259,8 +259,8 @@ class Turns(Dips):
 def test_a_law_that_drives_beyond_v_max_is_passive_below(v_max, holds):
     """The whole machine was refuted by a speed that was excluded."""
     parts = stribeck.Body("b", mass=1.0), stribeck.Contact("c", "b", Turns({"F_c": 1.0}))
-    found = stribeck.check(stribeck.Machine(*parts).scenario(1.0), v_max=v_max)
-    (verdicts,) = found.contacts.values()
+    result = stribeck.check(stribeck.Machine(*parts).scenario(1.0), v_max=v_max)
+    (verdicts,) = result.contacts.values()
     assert verdicts["passive"].holds is holds
     if holds:
         assert "|v| <= v_max" in verdicts["passive"].reason
@@ -271,6 +271,6 @@ def test_a_law_that_drives_beyond_v_max_is_passive_below(v_max, holds):
 def test_a_cylinder_is_a_port():
     """It was said to be passive without any port, its gas and its valve left out."""
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": {**PASSIVE, "sigma_2": 400.0}}
-    found = stribeck.check({**MACHINE, "contacts": {"seal": {"from": "piston", "law": law}}})
-    assert found.passive
-    assert set(found.ports) == {"bodies.piston", "controllers.axis"}
+    result = stribeck.check({**MACHINE, "contacts": {"seal": {"from": "piston", "law": law}}})
+    assert result.passive
+    assert set(result.ports) == {"bodies.piston", "controllers.axis"}

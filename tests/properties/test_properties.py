@@ -62,10 +62,10 @@ def test_verdicts_with_known_answers(name, damping):
         assert word(verdict.holds) == KNOWN[name].replace(".", passive_now)[3]
         assert verdict.verify(law, "passive") is not False
         return
-    found = check(law)
-    assert "".join(word(found[n].holds) for n in NAMES) == KNOWN[name].replace(".", passive_now)
-    assert found.verify()
-    for verdict in found.properties.values():
+    verdicts = check(law)
+    assert "".join(word(verdicts[n].holds) for n in NAMES) == KNOWN[name].replace(".", passive_now)
+    assert verdicts.verify()
+    for verdict in verdicts.properties.values():
         assert verdict.method
         assert verdict.evidence
 
@@ -74,8 +74,8 @@ def test_verdicts_with_known_answers(name, damping):
 @pytest.mark.parametrize("smooth_abs", ["sqrt", "compact"])
 @pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
 def test_every_majorant_keeps_the_verdicts(name, smooth_abs):
-    found = check(law_with(name, sigma_2=200.0, smooth_abs=smooth_abs))
-    assert "".join(word(found[n].holds) for n in NAMES) == KNOWN[name].replace(".", "y")
+    verdicts = check(law_with(name, sigma_2=200.0, smooth_abs=smooth_abs))
+    assert "".join(word(verdicts[n].holds) for n in NAMES) == KNOWN[name].replace(".", "y")
 
 
 positive = st.floats(-3, 3).map(lambda x: 10.0**x)
@@ -151,10 +151,10 @@ def test_nothing_but_sigma_1_0_makes_arctan_passive():
     ("name", "v_max"), [("lugre", None), ("lugre", 0.04), ("lugre_sobczyk", 1e-5), ("lugre_arctan", None)]
 )
 def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
-    found = decided(law_with(name), "passive", v_max)
-    assert found.holds is False
-    z, energy, p = found.evidence["z_start"], 0.0, TABLE_1
-    for piece in found.evidence["program"]:
+    verdicts = decided(law_with(name), "passive", v_max)
+    assert verdicts.holds is False
+    z, energy, p = verdicts.evidence["z_start"], 0.0, TABLE_1
+    for piece in verdicts.evidence["program"]:
         v = piece["v"]
         assert v_max is None or abs(v) <= v_max
 
@@ -166,20 +166,20 @@ def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
             :, -1
         ]
         z, energy = float(end[0]), float(end[1])
-    assert -energy == pytest.approx(found.evidence["energy_drawn"], rel=1e-6)
-    assert z == pytest.approx(found.evidence["z_start"], rel=1e-6)
-    assert found.evidence["energy_drawn"] > 0
-    assert found.evidence["time"] < 60
+    assert -energy == pytest.approx(verdicts.evidence["energy_drawn"], rel=1e-6)
+    assert z == pytest.approx(verdicts.evidence["z_start"], rel=1e-6)
+    assert verdicts.evidence["energy_drawn"] > 0
+    assert verdicts.evidence["time"] < 60
 
 
 def test_z_of_arctan_passes_every_level():
-    found = decided(law_with("lugre_arctan"), "bounded")
-    assert found.evidence["passes_any_level"]
-    for level in found.evidence["levels"]:
+    verdicts = decided(law_with("lugre_arctan"), "bounded")
+    assert verdicts.evidence["passes_any_level"]
+    for level in verdicts.evidence["levels"]:
         steady = 1.5e-5 * np.pi / (2 * np.arctan(1e7 * level["v"]))  # g is F_s/sigma_0 at these speeds
         assert steady > level["z"] * (1 - 1e-6)
-    replayed = stribeck.simulate(Scenario(found.scenario))
-    assert replayed.final["z"] == pytest.approx(found.evidence["replay"]["z"], rel=1e-9)
+    replayed = stribeck.simulate(Scenario(verdicts.scenario))
+    assert replayed.final["z"] == pytest.approx(verdicts.evidence["replay"]["z"], rel=1e-9)
     assert replayed.final["z"] == pytest.approx(1.5e-4, rel=1e-6)
 
 
@@ -187,19 +187,19 @@ def test_z_of_arctan_passes_every_level():
     "name", ["lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "elastoplastic_sobczyk", "dahl"]
 )
 def test_a_load_below_break_away_moves_what_drifts(name):
-    found = decided(law_with(name), "drift_free")
-    assert found.holds is False
-    assert found.evidence["largest_load"] == pytest.approx(0.5 * found.evidence["F_s"], rel=0.2)
-    solution = stribeck.simulate(Scenario(found.scenario))
+    verdicts = decided(law_with(name), "drift_free")
+    assert verdicts.holds is False
+    assert verdicts.evidence["largest_load"] == pytest.approx(0.5 * verdicts.evidence["F_s"], rel=0.2)
+    solution = stribeck.simulate(Scenario(verdicts.scenario))
     assert solution["u"][-1] == 0
-    assert solution.final["y"] == pytest.approx(found.evidence["distance"], rel=1e-6)
-    assert abs(solution.final["y"]) > 0.01 * found.evidence["elastic_displacement"]
+    assert solution.final["y"] == pytest.approx(verdicts.evidence["distance"], rel=1e-6)
+    assert abs(solution.final["y"]) > 0.01 * verdicts.evidence["elastic_displacement"]
 
 
 def test_one_sided_derivatives_of_lugre():
-    found = decided(law_with("lugre"), "smooth").evidence
-    share = found["z"] / 1.5e-5
-    assert (found["v"], found["from_below"], found["from_above"]) == (
+    verdicts = decided(law_with("lugre"), "smooth").evidence
+    share = verdicts["z"] / 1.5e-5
+    assert (verdicts["v"], verdicts["from_below"], verdicts["from_above"]) == (
         0.0,
         pytest.approx(1 + share),
         pytest.approx(1 - share),
@@ -220,14 +220,14 @@ def test_laws_that_are_wrong_are_caught(name):
     file = Path(broken_laws.__file__)
     own = {"k_v": 1e7} if name in ("Below", "Root") else {}
     law = stribeck.law(f"{file}:{name}", parameters=TABLE_1, sigma_2=200.0, **own)
-    found = check(law)
-    false = {n for n in NAMES if found[n].holds is False} - {"drift_free"}
+    verdicts = check(law)
+    false = {n for n in NAMES if verdicts[n].holds is False} - {"drift_free"}
     assert false >= CAUGHT[name]
     if name == "Root":
-        assert [found[n].holds for n in NAMES] == [True, True, True, True, False]
+        assert [verdicts[n].holds for n in NAMES] == [True, True, True, True, False]
     if name == "Jumps":
-        assert found["unique"].holds is None
-    assert found.verify()
+        assert verdicts["unique"].holds is None
+    assert verdicts.verify()
 
 
 def test_a_larger_bound_than_the_claimed_one_is_found():
@@ -260,6 +260,6 @@ def test_sliding_that_draws_energy_in_a_narrow_range_of_speeds_is_not_passive(pu
         f"        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + {pushes}\n"
     )
     constants = {"sigma_0": 1e5, "sigma_1": 100.0, "sigma_2": 100.0, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
-    found = check(stribeck.law(f"{tmp_path / 'own.py'}:Pushes", constants))["passive"]
-    assert found.holds is False
-    assert found.method.startswith("at a constant speed")
+    verdicts = check(stribeck.law(f"{tmp_path / 'own.py'}:Pushes", constants))["passive"]
+    assert verdicts.holds is False
+    assert verdicts.method.startswith("at a constant speed")

@@ -108,9 +108,9 @@ def test_elastoplastic_near_the_largest_z_ba_is_decided():
 
 def test_arctan_is_not_passive_however_small_sigma_1_is():
     law = stribeck.law("lugre_arctan", parameters="canudas1995", sigma_1=1e-5, k_v=1e6)
-    found = Checked(law, None, WORK).passive()
-    assert found.holds is False
-    assert found.evidence["enclosed"]
+    result = Checked(law, None, WORK).passive()
+    assert result.holds is False
+    assert result.evidence["enclosed"]
 
 
 def test_two_z_is_not_z():
@@ -121,9 +121,9 @@ def test_two_z_is_not_z():
         def dz_dt(p, v, z):
             return v - abs(v) / (2 * g(p, v)) * z
 
-    found = Checked(Loose(TABLE_1), None, WORK)
-    assert found.bounded().holds is False
-    assert found.passive().holds is not True
+    result = Checked(Loose(TABLE_1), None, WORK)
+    assert result.bounded().holds is False
+    assert result.passive().holds is not True
 
 
 SPELLINGS = {
@@ -158,10 +158,10 @@ def test_a_power_that_is_no_whole_number():
 
 
 def test_verdicts_can_be_pickled():
-    found = check(stribeck.law("lugre", TABLE_1))
-    again = pickle.loads(pickle.dumps(found))
-    assert again.to_dict() == found.to_dict()
-    assert again["passive"].certificate == found["passive"].certificate
+    result = check(stribeck.law("lugre", TABLE_1))
+    again = pickle.loads(pickle.dumps(result))
+    assert again.to_dict() == result.to_dict()
+    assert again["passive"].certificate == result["passive"].certificate
 
 
 def test_the_verdict_does_not_depend_on_time():

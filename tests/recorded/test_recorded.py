@@ -89,11 +89,11 @@ def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
     path = zeros_in(kind, tmp_path, 1 << 24)  # 134 MB
     tracemalloc.start()
     try:
-        found = read_columns(path, WANTED)
+        result = read_columns(path, WANTED)
         assert tracemalloc.get_traced_memory()[1] < 20e6
     finally:
         tracemalloc.stop()
-    assert found["position"].tolist() == (T**2).tolist()
+    assert result["position"].tolist() == (T**2).tolist()
 
 
 @pytest.mark.parametrize("kind", ["npz", "mat 7.3", "mat 5"])
@@ -125,8 +125,8 @@ def test_a_mat_7_3_file_is_what_matlab_shows(tmp_path):
     savemat(tmp_path / "old.mat", {"time": T, "q": q})
     for file in (path, tmp_path / "old.mat"):
         assert read_columns(file, wanted)["position"].tolist() == q[:, 1].tolist()
-    for name, said in [("words", "holds text or dates"), ("names", "holds text or dates"), ("nothing", "is empty")]:
-        with pytest.raises(InputError, match=f"position: '{name}'.*{said}"):
+    for name, message in [("words", "holds text or dates"), ("names", "holds text or dates"), ("nothing", "is empty")]:
+        with pytest.raises(InputError, match=f"position: '{name}'.*{message}"):
             read_columns(path, {"time": "time", "position": name})
 
 

@@ -300,7 +300,7 @@ class Sampler:
         if c.get("compensation", {}).get("speed") == "measured":
             table = c["compensation"].get("law") or m.contacts[c["compensation"]["contact"]]["law"]
             own = constants(table)
-            found = solve_ivp(
+            solution = solve_ivp(
                 lambda t, z: [friction(table["name"], own, v, z[0])[0]],
                 (0, self.T),
                 [self.zh],
@@ -308,7 +308,7 @@ class Sampler:
                 rtol=1e-11,
                 atol=1e-16,
             )
-            self.zh = float(found.y[0, -1])
+            self.zh = float(solution.y[0, -1])
         self.k += 1
         return min(max(u, -limit), limit)
 
@@ -360,7 +360,7 @@ def solve_with_events(data, fine, rtol=1e-10, method="odeint"):
             all_rates = lambda t, x: m.all(t, x)[1]  # noqa: E731
             wanted = [t, *times, end]
             if method == "odeint":
-                found, info = odeint(
+                result, info = odeint(
                     all_rates, x, wanted, tfirst=True, rtol=rtol, atol=rtol * 1e-2 * size, mxstep=10**6,
                     tcrit=[end], full_output=True,
                 )  # fmt: skip
@@ -368,9 +368,9 @@ def solve_with_events(data, fine, rtol=1e-10, method="odeint"):
             else:
                 done = solve_ivp(all_rates, (t, end), x, method, wanted, rtol=rtol, atol=rtol * 1e-2 * size)
                 assert done.success, done.message
-                found = done.y.T
-            states = ([x] if len(inside) > len(times) else []) + list(found[1:-1])
-            times, size = inside, np.maximum(size, np.abs(found).max(axis=0))
+                result = done.y.T
+            states = ([x] if len(inside) > len(times) else []) + list(result[1:-1])
+            times, size = inside, np.maximum(size, np.abs(result).max(axis=0))
         for u, state in zip(times, states, strict=True):
             columns, _, watch = m.all(u, state)
             course.append((u, watch))
@@ -378,7 +378,7 @@ def solve_with_events(data, fine, rtol=1e-10, method="odeint"):
             if near(rows[min(row, count)], u):
                 table[min(row, count)] = columns
         if end is not None:
-            x = found[-1]
+            x = result[-1]
             course.append((end, m.all(end, x)[2]))
     assert sorted(table) == list(range(len(rows)))
     columns = {n: np.array([table[i][n] for i in range(len(rows))]) for n in m.columns()}
@@ -387,9 +387,9 @@ def solve_with_events(data, fine, rtol=1e-10, method="odeint"):
 
 def events(course):
     """Where a watched quantity passes its level, from what it was at close times."""
-    found = {n: {kind: [] for kind in dict.fromkeys(kinds)} for n, (_, _, kinds) in course[0][1].items()}
+    result = {n: {kind: [] for kind in dict.fromkeys(kinds)} for n, (_, _, kinds) in course[0][1].items()}
     t = np.array([u for u, _ in course])
-    for n in found:
+    for n in result:
         q = np.array([watch[n][0] for _, watch in course])
         level, kinds = course[0][1][n][1:]
         for sign, (rise, fall) in ((1, kinds[:2]), (-1, kinds[2:])):
@@ -407,5 +407,5 @@ def events(course):
                     poly = np.polynomial.Polynomial.fit(t[span], sign * q[span] - level, high - low)
                     a, b = poly(t[i]), poly(t[i + 1])
                     at = brentq(poly, t[i], t[i + 1]) if a * b < 0 else t[i + (abs(b) < abs(a))]
-                found[n][rise if above[i + 1] else fall].append(at)
-    return {n: {kind: sorted(times) for kind, times in kinds.items()} for n, kinds in found.items()}
+                result[n][rise if above[i + 1] else fall].append(at)
+    return {n: {kind: sorted(times) for kind, times in kinds.items()} for n, kinds in result.items()}

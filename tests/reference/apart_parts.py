@@ -149,12 +149,12 @@ class Signal:
         origin = float(poly.x[i])
 
         def value(t):
-            found = []
+            results = []
             for row in c:
                 total = 0.0
                 for number in row:
                     total = total * (t - origin) + number
-                found.append(total)
-            return tuple(found)
+                results.append(total)
+            return tuple(results)
 
         return value

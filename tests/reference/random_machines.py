@@ -39,8 +39,8 @@ class _Made:
             ("controllers", 1, 0),
         ):
             for i in range(int(random.integers(least, most + 1))):
-                if made := getattr(self, part)():
-                    self.data.setdefault(part, {})[f"{part}{i}"] = made
+                if built := getattr(self, part)():
+                    self.data.setdefault(part, {})[f"{part}{i}"] = built
         self.load_levels()
 
     def between(self, low, high):
@@ -78,8 +78,8 @@ class _Made:
         begin = self.pick(self.moving)
         same = {"b0", "tied"} if begin in ("b0", "tied") else {begin}
         end = self.pick([name for name in (*self.data["bodies"], "ground") if name not in same])
-        found = {"from": begin, "to": end}
-        return found | ({"ratio": self.sign() * self.scaled(0.5, 2)} if self.chance(0.3) else {})
+        result = {"from": begin, "to": end}
+        return result | ({"ratio": self.sign() * self.scaled(0.5, 2)} if self.chance(0.3) else {})
 
     def signal(self, size, smooth=False):
         """A signal of about this size; ``smooth``: its value does not jump."""
@@ -95,18 +95,18 @@ class _Made:
         return {"kind": kind, "t": t.tolist(), "value": (size * self.random.uniform(-1, 1, 5)).tolist()}
 
     def links(self):
-        found = self.ends()
+        result = self.ends()
         k = self.mass / self.time**2 * self.scaled(1, 20)
-        found |= {"stiffness": k, "damping": self.between(0.05, 0.5) * math.sqrt(k * self.mass)}
+        result |= {"stiffness": k, "damping": self.between(0.05, 0.5) * math.sqrt(k * self.mass)}
         if self.chance(0.3):
-            found["gap"] = self.length * self.between(0.01, 0.3)
+            result["gap"] = self.length * self.between(0.01, 0.3)
         if self.chance(0.3):
-            found["from"] = {"signal": self.signal(self.length, smooth=True)}
-            found["to"] = self.pick(self.moving)
-        return found
+            result["from"] = {"signal": self.signal(self.length, smooth=True)}
+            result["to"] = self.pick(self.moving)
+        return result
 
     def contacts(self):
-        found, name = self.ends(), self.pick(LAWS)
+        result, name = self.ends(), self.pick(LAWS)
         F_c, v_s = self.force * self.scaled(0.03, 0.5), self.speed * self.scaled(0.02, 0.2)
         sigma_0 = F_c / (self.length * self.scaled(2e-3, 2e-2))
         parameters = {
@@ -123,10 +123,10 @@ class _Made:
             law["smooth_abs"] = self.pick(["atan", "sqrt", "compact"])
         if name.startswith("elastoplastic"):
             law["z_ba"] = self.between(0.2, 0.8) * F_c / sigma_0
-        found["law"] = law
+        result["law"] = law
         factors = {key: self.factor() for key in ("level", "sigma_2", "k_v") if self.chance(0.15)}
         factors = {key: x for key, x in factors.items() if key == "level" or key in law or key in wanted}
-        return found | ({"factors": factors} if factors else {})
+        return result | ({"factors": factors} if factors else {})
 
     def factor(self):
         """By how much a constant rises and falls, with the place or with time."""
@@ -136,49 +136,49 @@ class _Made:
         return {"signal": {"kind": "points", "t": t.tolist(), "value": self.random.uniform(0.6, 1.5, 4).tolist()}}
 
     def loads(self):
-        kind, found = self.pick(["signal", "pendulum", "ripple"]), {"on": self.pick(self.moving)}
+        kind, result = self.pick(["signal", "pendulum", "ripple"]), {"on": self.pick(self.moving)}
         size = self.force * self.scaled(0.2, 2)
         if kind == "signal":
-            return found | {"kind": kind, "signal": self.signal(size)}
+            return result | {"kind": kind, "signal": self.signal(size)}
         if kind == "pendulum":
-            return found | {"kind": kind, "amplitude": size, "phase": self.between(-3, 3)}
+            return result | {"kind": kind, "amplitude": size, "phase": self.between(-3, 3)}
         waves = [self.scaled(0.5, 5) / self.length for _ in range(2)]
-        return found | {"kind": kind, "amplitude": [size * 0.3, size * 0.2], "waves": waves, "phase": [0.4, -1.0]}
+        return result | {"kind": kind, "amplitude": [size * 0.3, size * 0.2], "waves": waves, "phase": [0.4, -1.0]}
 
     def motors(self):
         K, R = self.scaled(0.05, 5), self.scaled(0.1, 10)
-        found = {"on": self.pick(self.moving), "K": K, "R": R, "voltage": 3 * (self.force * R / K + K * self.speed)}
+        result = {"on": self.pick(self.moving), "K": K, "R": R, "voltage": 3 * (self.force * R / K + K * self.speed)}
         if self.chance(0.5):
-            found |= {"L": R * self.time * self.scaled(0.02, 0.1), "current_time": self.time * self.scaled(0.02, 0.1)}
+            result |= {"L": R * self.time * self.scaled(0.02, 0.1), "current_time": self.time * self.scaled(0.02, 0.1)}
         if self.chance(0.4):
-            found["signal"] = self.signal(found["voltage"] * 0.5)
-            found.pop("current_time", None)
-        return found
+            result["signal"] = self.signal(result["voltage"] * 0.5)
+            result.pop("current_time", None)
+        return result
 
     def controllers(self):
         motor = next((n for n, m in self.data.get("motors", {}).items() if "signal" not in m), None)
         on = motor or self.pick(self.moving)
         k = self.mass / self.time**2 * self.scaled(1, 10)
-        found = {"on": on, "signal": self.signal(self.length, smooth=True), "kind": self.pick(["pid", "cascade"])}
-        if found["kind"] == "pid":
-            found |= {
+        result = {"on": on, "signal": self.signal(self.length, smooth=True), "kind": self.pick(["pid", "cascade"])}
+        if result["kind"] == "pid":
+            result |= {
                 "K_p": k,
                 "K_i": k / self.time * self.between(0, 0.3),
                 "K_d": self.between(0.7, 2) * math.sqrt(k * self.mass),
             }
         else:
-            found |= {"K_p": self.between(0.5, 3) / self.time, "K_v": self.mass / self.time * self.between(1, 6)}
-            found |= {"T_i": self.time * self.between(0.5, 3)} if self.chance(0.5) else {}
+            result |= {"K_p": self.between(0.5, 3) / self.time, "K_v": self.mass / self.time * self.between(1, 6)}
+            result |= {"T_i": self.time * self.between(0.5, 3)} if self.chance(0.5) else {}
         if self.chance(0.4):
-            found["limit"] = self.force * self.between(1, 5)
+            result["limit"] = self.force * self.between(1, 5)
         if self.chance(0.5):
             sampling = {"period": self.time * self.between(0.03, 0.06)}
             sampling |= {"delay": sampling["period"] * self.between(0, 1.5)} if self.chance(0.5) else {}
             sampling |= {"bandwidth": self.between(5, 30) / self.time} if self.chance(0.5) else {}
             sampling |= {"resolution": self.length * 1e-3} if self.chance(0.3) else {}
             sampling |= {"noise": self.length * 1e-4, "seed": 3} if self.chance(0.3) else {}
-            found["sampling"] = sampling
-        return found
+            result["sampling"] = sampling
+        return result
 
     def load_levels(self):
         """Levels that forces raise; a motor that nobody drives is taken away."""

@@ -26,10 +26,10 @@ def test_trajectory(file, tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["status"] == "done"
     names = file.read_text().partition("\n")[0].split(",")
     assert (tmp_path / "trajectory.csv").read_text().partition("\n")[0].split(",") == names
-    expected, found = (np.loadtxt(f, delimiter=",", skiprows=1) for f in (file, tmp_path / "trajectory.csv"))
-    assert_balanced(dict(zip(names, found.T, strict=True)))
+    expected, result = (np.loadtxt(f, delimiter=",", skiprows=1) for f in (file, tmp_path / "trajectory.csv"))
+    assert_balanced(dict(zip(names, result.T, strict=True)))
     rows = np.rint(expected[:, 0] / Scenario.load(path).output.step).astype(int)
     for i, name in enumerate(names[1:], start=1):
         tolerance = 1e-5 if name.endswith((".y", ".v", ".w", ".r")) else 2e-4
         peak = np.max(np.abs(expected[:, i]))
-        assert np.max(np.abs(found[rows, i] - expected[:, i])) <= tolerance * peak, name
+        assert np.max(np.abs(result[rows, i] - expected[:, i])) <= tolerance * peak, name

@@ -24,8 +24,8 @@ LIMIT_CYCLE = {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0}
 def test_presliding(law, expected):
     force = {"kind": "points", "t": [0, 10, 15, 35, 40, 50], "value": [0, 1.425, 1.425, -1.425, -1.425, 0]}
     solution = solved(rig(LAWS[law], "force", force, 50.0, rows=1000))
-    found = 1e6 * solution["y"][[200, 300, 700, 800]]
-    assert [f"{y:.4g}" for y in found] == [f"{y:.4g}" for y in expected]
+    result = 1e6 * solution["y"][[200, 300, 700, 800]]
+    assert [f"{y:.4g}" for y in result] == [f"{y:.4g}" for y in expected]
 
 
 RATES = [1, 5, 10, 20, 30, 40, 50]

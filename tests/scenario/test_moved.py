@@ -14,8 +14,8 @@ def test_every_kind_of_path_is_seen_from_the_other_folder():
         "links": {"b": {"kind": "mine.py:Own"}, "c": {"kind": "spring"}},
         "drive": {"law": {"name": "lugre", "parameters": "canudas1995"}},
     }
-    found = moved(data, Path("/rigs/one"), Path("/rigs/out/deep"))
-    assert found == {
+    result = moved(data, Path("/rigs/one"), Path("/rigs/out/deep"))
+    assert result == {
         "contacts": {"a": {"law": {"name": "../../one/mine.py:Law", "parameters": "../../one/sets/a.toml"}}},
         "loads": [{"signal": {"kind": "file", "path": "../../one/log.csv"}}],
         "links": {"b": {"kind": "../../one/mine.py:Own"}, "c": {"kind": "spring"}},

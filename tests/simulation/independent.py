@@ -34,11 +34,11 @@ def friction(law, p):
 
 def signal(table, t_end):
     """The breaks of a signal within (0, t_end), and from them a function: the piece's number -> (t -> value)."""
-    made = apart_parts.Signal(table)
-    breaks = sorted({t for t in made.knots if 0 < t < t_end})
+    built = apart_parts.Signal(table)
+    breaks = sorted({t for t in built.knots if 0 < t < t_end})
 
     def line(piece):
-        value = made.piece(breaks[piece - 1] if piece else 0.0)
+        value = built.piece(breaks[piece - 1] if piece else 0.0)
         return lambda t: value(t)[0]
 
     return breaks, line
@@ -114,14 +114,14 @@ def solve(data, rtol=1e-12, evaluations=2_000_000):
         final = piece == len(edges) - 2
         inner = rows[(rows >= begin) & ((rows <= stop) if final else (rows < stop))]
         times = np.concatenate([[begin], inner, [stop]])
-        found, info = odeint(
+        result, info = odeint(
             rates, x, times, tfirst=True, rtol=rtol, atol=atol, mxstep=10**7, tcrit=[stop], full_output=True,
             hmax=0.05 / data["drive"]["signal"].get("frequency", 1e-9),
         )  # fmt: skip
         if info["message"] != "Integration successful.":
             raise RuntimeError(info["message"])
-        x = found[-1]
-        states.append(found[1:-1])
+        x = result[-1]
+        states.append(result[1:-1])
         inputs += [r(t) for t in inner]
     return _columns(rows, np.concatenate(states), inputs, kind, force_of)
 

@@ -12,11 +12,11 @@ TOLERANCES = {"y": 1e-6, "v": 1e-6, "z": 1e-6, "F": 1e-4}  # of the column's pea
 
 
 def assert_agrees(data):
-    found, expected = solved(data), independent.solve(data)
-    np.testing.assert_array_equal(found.t, expected["t"])
+    result, expected = solved(data), independent.solve(data)
+    np.testing.assert_array_equal(result.t, expected["t"])
     for name, tolerance in TOLERANCES.items():
         peak = np.max(np.abs(expected[name]))
-        error = np.max(np.abs(found[name] - expected[name]))
+        error = np.max(np.abs(result[name] - expected[name]))
         assert error <= tolerance * peak, f"{name}: {error / peak:.2g} of the peak"
 
 

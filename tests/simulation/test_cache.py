@@ -47,10 +47,10 @@ def run(built, notes=()):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         solution = simulate(Scenario(DATA))
-    said = [str(w.message) for w in caught]
+    texts = [str(w.message) for w in caught]
     assert all(issubclass(w.category, StribeckNote) for w in caught)
-    assert len(said) == len(notes), said
-    assert all(part in text and "\n" not in text for part, text in zip(notes, said, strict=True)), said
+    assert len(texts) == len(notes), texts
+    assert all(part in text and "\n" not in text for part, text in zip(notes, texts, strict=True)), texts
     assert solution.status == "done"
     assert solution.stats["solver"] == "rodas5p"
     assert solution.stats["built"] is built
@@ -102,9 +102,9 @@ def full(*args, **kwargs):
 
 def test_a_full_disk_when_writing(home, monkeypatch):
     def file(*args, **kwargs):
-        made = real(*args, **kwargs)
-        made.write = full
-        return made
+        product = real(*args, **kwargs)
+        product.write = full
+        return product
 
     real = tempfile.NamedTemporaryFile
     monkeypatch.setattr(tempfile, "NamedTemporaryFile", file)
@@ -253,8 +253,8 @@ def test_a_library_that_is_another_one_is_built_anew(home, monkeypatch):
     key = file.stem.split("-")[0]
     file.unlink()
     (home / "other.c").write_text("int other(void) { return 1; }")
-    found = compiler.find()
-    found.build(home / "other.c", home / "other.so")
+    result = compiler.find()
+    result.build(home / "other.c", home / "other.so")
     (home / "other.so").chmod(0o600)
     (home / "other.so").rename(home / f"{key}-{cache._digest(home / 'other.so')}.so")
     forget(monkeypatch)
@@ -286,14 +286,14 @@ def test_a_place_that_libraries_cannot_be_loaded_from(home, monkeypatch):
 
 
 def test_threads_that_build_at_once(home):
-    found = []
-    threads = [threading.Thread(target=lambda: found.append(simulate(Scenario(DATA)))) for _ in range(4)]
+    results = []
+    threads = [threading.Thread(target=lambda: results.append(simulate(Scenario(DATA)))) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert {solution["y"][-1] for solution in found} == {found[0]["y"][-1]}
-    assert len(found) == 4
+    assert {solution["y"][-1] for solution in results} == {results[0]["y"][-1]}
+    assert len(results) == 4
 
 
 PROCESS = """
@@ -335,9 +335,9 @@ def test_processes_that_build_at_once(tmp_path, monkeypatch):
     while not all((tmp_path / f"ready{i}").exists() for i in range(3)):
         assert all(process.poll() is None for process in processes)
     (tmp_path / "go").touch()
-    found = [values(process) for process in processes]
-    assert {y for rows in found for _, y in rows} == {found[0][0][1]}
-    assert sum(built == "True" for rows in found for built, _ in rows) >= turns
+    results = [values(process) for process in processes]
+    assert {y for rows in results for _, y in rows} == {results[0][0][1]}
+    assert sum(built == "True" for rows in results for built, _ in rows) >= turns
     for turn in range(turns):
         kept = list((tmp_path / f"cache{turn}").iterdir())
         assert kept

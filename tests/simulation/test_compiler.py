@@ -43,7 +43,7 @@ def use(tmp_path, monkeypatch):
     return chosen
 
 
-def said(backend):
+def message(backend):
     """Simulate with the backend expected; the notes, after a look at the result."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -100,23 +100,23 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_compiler_that(fault, use):
-    script, told = FAULTS[fault]
+    script, reported = FAULTS[fault]
     use(script, 0o644 if fault == "may not be run" else 0o755)
-    (note,) = said("wasm")
-    assert told in note
+    (note,) = message("wasm")
+    assert reported in note
 
 
 def test_a_compiler_that_hangs(use, monkeypatch):
     monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.3)
     use("#!/bin/sh\nexec sleep 60\n")
-    assert "did not finish within 0.3 s" in said("wasm")[0]
+    assert "did not finish within 0.3 s" in message("wasm")[0]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
 def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
     monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.5)
     use(f"#!/bin/sh\nsleep 60 &\necho $! > {tmp_path}/child\nwait\n")
-    assert "did not finish within 0.5 s" in said("wasm")[0]
+    assert "did not finish within 0.5 s" in message("wasm")[0]
     state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
     for _ in range(40):
         if (
@@ -130,10 +130,10 @@ def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
 @needs_compiler
 def test_garbage_in_the_cache_is_not_taken_for_a_library(use, monkeypatch, tmp_path):
     use(GARBAGE)
-    said("wasm")
-    assert len(said("wasm")) >= 1
+    message("wasm")
+    assert len(message("wasm")) >= 1
     monkeypatch.delenv("STRIBECK_CC")
-    assert said("c") == []
+    assert message("c") == []
 
 
 def test_a_compiler_that_builds_another_thing(use, tmp_path):
@@ -145,18 +145,18 @@ def test_a_compiler_that_builds_another_thing(use, tmp_path):
         '#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\n'
         f'exec {" ".join(real.command)} -shared -fPIC -o "$2" {tmp_path}/other.c\n'
     )
-    (note,) = said("wasm")
+    (note,) = message("wasm")
     assert note.startswith("compiling failed (")
 
 
 def test_a_compiler_that_is_not_there(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "/nowhere/cc")
-    assert "/nowhere/cc cannot be run: No such file or directory" in said("wasm")[0]
+    assert "/nowhere/cc cannot be run: No such file or directory" in message("wasm")[0]
 
 
 def test_no_compiler(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
-    assert said("wasm") == []
+    assert message("wasm") == []
 
 
 @needs_compiler
@@ -164,13 +164,13 @@ def test_no_compiler(monkeypatch):
 def test_a_compiler_that_does_not_know_an_option(unknown, use):
     real = " ".join(compiler.find().command)
     use(f'#!/bin/sh\nfor word; do [ "$word" = {unknown} ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n')
-    assert said("c") == []
+    assert message("c") == []
 
 
 def test_copies_of_one_trajectory_are_narrow(use, tmp_path):
     """Wide ones leave registers in use that libm's older instructions wait for, at every call of exp."""
     use(f'#!/bin/sh\necho "$@" >> {tmp_path}/words\nexit 1\n')
-    said("wasm")
+    message("wasm")
     first, second, _ = (tmp_path / "words").read_text().splitlines()
     assert "-march=native -mmove-max=128 -mstore-max=128" in first
     assert "-march=native" in second
@@ -183,20 +183,20 @@ def test_copies_of_one_trajectory_are_narrow(use, tmp_path):
 def test_options_stand_behind_the_command(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", f"{compiler.find().command[0]} -O1 -DUSELESS")
     assert compiler.find().command[1:] == ("-O1", "-DUSELESS")
-    assert said("c") == []
+    assert message("c") == []
 
 
 @needs_compiler
 def test_passes_left_out_for_one_trajectory_change_no_number(monkeypatch, tmp_path):
-    found = [simulate(Scenario(DATA))]
+    results = [simulate(Scenario(DATA))]
     monkeypatch.setattr(cache, "_loaded", {})
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "other"))
     with_all = replace(compiler.find(), options=(), extra=())
     monkeypatch.setattr(compiler, "find", lambda: with_all)
-    found.append(simulate(Scenario(DATA)))
-    assert [solution.stats["built"] for solution in found] == [True, True]
-    scale = np.abs(found[0].states).max(axis=0)
-    np.testing.assert_allclose(*(solution.states / scale for solution in found), rtol=0, atol=1e-6)
+    results.append(simulate(Scenario(DATA)))
+    assert [solution.stats["built"] for solution in results] == [True, True]
+    scale = np.abs(results[0].states).max(axis=0)
+    np.testing.assert_allclose(*(solution.states / scale for solution in results), rtol=0, atol=1e-6)
 
 
 def test_which_compiler_is_chosen(use, monkeypatch, tmp_path):
@@ -232,7 +232,7 @@ def test_another_compiler_or_other_options_make_another_key(use, tmp_path, monke
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs the package ziglang")
 def test_zig(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", f"{sys.executable} -m ziglang cc")
-    assert said("c") == []
+    assert message("c") == []
 
 
 def test_where_a_compiler_puts_its_temporary_files(use, tmp_path, monkeypatch):

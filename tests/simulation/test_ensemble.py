@@ -23,15 +23,17 @@ RUBBED = rig("lugre", "velocity", {"kind": "sine", "amplitude": 2e-3, "frequency
 def assert_as_alone(data, values, folder=None, share=1e-6):
     """Every lane of the ensemble against the run of its own scenario."""
     scenario = Scenario(data, folder=folder)
-    found = simulate(scenario, values)
-    for lane in range(len(found)):
+    solution = simulate(scenario, values)
+    for lane in range(len(solution)):
         alone = simulate(scenario.with_changes({path: float(x[lane]) for path, x in values.items()}))
-        assert found.status[lane] == alone.status
+        assert solution.status[lane] == alone.status
         for name in (c.name for c in scenario.system.columns):
-            off = np.abs(found[name][lane] - alone[name]).max()
+            off = np.abs(solution[name][lane] - alone[name]).max()
             assert off <= (100 * share if name == "F" else share) * alone.peaks[name], (lane, name)
-        assert (found.slips[lane], found.sticks[lane]) == tuple(len(alone.events[kind]) for kind in ("slip", "stick"))
-    return found
+        assert (solution.slips[lane], solution.sticks[lane]) == tuple(
+            len(alone.events[kind]) for kind in ("slip", "stick")
+        )
+    return solution
 
 
 @pytest.mark.share(7)
@@ -58,41 +60,41 @@ def test_every_law(law):
     ids=["ramp", "law", "step", "pid", "sine", "velocity"],
 )
 def test_everything_that_can_vary(data, values):
-    found = assert_as_alone(data, {path: np.array(x) for path, x in values.items()})
-    assert found["y"].shape == (3, Scenario(data).rows)
-    assert found.t[-1] == pytest.approx(Scenario(data).solve.t_end)
+    result = assert_as_alone(data, {path: np.array(x) for path, x in values.items()})
+    assert result["y"].shape == (3, Scenario(data).rows)
+    assert result.t[-1] == pytest.approx(Scenario(data).solve.t_end)
 
 
 def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     values = {"drive.K_d": np.array([6.0, -1e4, 6.0, 5.0]), "law.parameters.F_c": np.array([1.0, 1.0, 3.0, 1.0])}
-    found = simulate(Scenario(STEPPED), values)
-    assert found.status == ["done", "failed", "failed", "done"]
-    assert "no longer finite" in found.reason[1]
-    assert found.reason[2] == "law.parameters.F_s: 1.5: must be at least F_c (F_c = 3.0)"
-    reached = np.isfinite(found["y"])
-    assert 0 < reached[1].sum() < found["y"].shape[1]
+    solution = simulate(Scenario(STEPPED), values)
+    assert solution.status == ["done", "failed", "failed", "done"]
+    assert "no longer finite" in solution.reason[1]
+    assert solution.reason[2] == "law.parameters.F_s: 1.5: must be at least F_c (F_c = 3.0)"
+    reached = np.isfinite(solution["y"])
+    assert 0 < reached[1].sum() < solution["y"].shape[1]
     assert not reached[2].any()
     for name in ("y", "v", "z", "F"):
-        assert np.array_equal(np.isfinite(found[name]), reached)
+        assert np.array_equal(np.isfinite(solution[name]), reached)
     good = simulate(Scenario(STEPPED), {path: x[[0, 3]] for path, x in values.items()})
-    assert np.array_equal(found["y"][[0, 3]], good["y"])
+    assert np.array_equal(solution["y"][[0, 3]], good["y"])
 
 
 def test_lanes_that_end_early_count_the_events_up_to_there():
     few = Scenario({**RUBBED, "solve": {**RUBBED["solve"], "max_steps": 150}})
     amplitudes = [2e-3, 3e-3]
-    found = simulate(few, {"drive.signal.amplitude": amplitudes})
+    solution = simulate(few, {"drive.signal.amplitude": amplitudes})
     alone = [simulate(few.with_changes({"drive.signal.amplitude": x})).events for x in amplitudes]
-    assert list(found.status) == ["failed", "failed"]
-    assert found.slips.tolist() == [len(events["slip"]) for events in alone] == [1, 1]
+    assert list(solution.status) == ["failed", "failed"]
+    assert solution.slips.tolist() == [len(events["slip"]) for events in alone] == [1, 1]
 
 
 def test_optional_constants_are_switched_on():
     data = rig("stribeck", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0)
     del data["law"]["k_v"]
-    found = simulate(Scenario(data), {"law.k_v": [1e3, 1e4]})
+    solution = simulate(Scenario(data), {"law.k_v": [1e3, 1e4]})
     alone = simulate(Scenario(data).with_changes({"law.k_v": 1e4}))
-    np.testing.assert_allclose(found["F"][1], alone["F"], rtol=1e-12)
+    np.testing.assert_allclose(solution["F"][1], alone["F"], rtol=1e-12)
 
 
 def test_more_than_memory_holds(monkeypatch):
@@ -149,13 +151,13 @@ def test_scales_written_for_numbers_serve_lanes(tmp_path):
 def test_servos_and_moves_along_paths_are_lanes_too():
     """Each lane is then a scenario of its own: whatever is a number in it can vary."""
     servo = Scenario.load(examples.path("servo")).with_changes({"solve.t_end": 2.0})
-    found = simulate(servo, {"drive.K_D": [40.0, 60.0, -1.0], "drive.observer.k_v": [1e6, 1e5, 1e6]})
-    assert found.status == ["done", "done", "failed"]
-    assert "drive.K_D" in found.reason[2]
+    solution = simulate(servo, {"drive.K_D": [40.0, 60.0, -1.0], "drive.observer.k_v": [1e6, 1e5, 1e6]})
+    assert solution.status == ["done", "done", "failed"]
+    assert "drive.K_D" in solution.reason[2]
     alone = simulate(servo.with_changes({"drive.K_D": 60.0, "drive.observer.k_v": 1e5}))
     for name in ("y", "u", "F_hat", "V"):
-        assert np.array_equal(found[name][1], alone[name])
-    assert np.isnan(found["V"][2]).all()
+        assert np.array_equal(solution[name][1], alone[name])
+    assert np.isnan(solution["V"][2]).all()
     with pytest.raises(InputError, match="unknown key"):
         simulate(servo, {"drive.K_Q": [1.0]})
     moved = rig("lugre", spring("canudas1995"), {"kind": "point_to_point", "t": [0, 2, 4], "value": [0, 1, 0]}, 4.0)
@@ -166,9 +168,9 @@ def test_servos_and_moves_along_paths_are_lanes_too():
 
 def test_whole_numbers_of_the_solver_and_masked_values_are_lanes():
     arm = Scenario.load(examples.path("arm"), {"solve.t_end": 0.02})
-    found = simulate(arm, {"solve.max_steps": [5, 100_000]})
-    assert found.reason[0].startswith("gave up")
-    assert found.reason[1] is None
-    found = simulate(Scenario(PULLED), {"plant.mass": np.ma.array([1.0, 2.0], mask=[False, True])})
-    assert found.reason[0] is None
-    assert found.reason[1].startswith("plant.mass: nan: ")
+    solution = simulate(arm, {"solve.max_steps": [5, 100_000]})
+    assert solution.reason[0].startswith("gave up")
+    assert solution.reason[1] is None
+    solution = simulate(Scenario(PULLED), {"plant.mass": np.ma.array([1.0, 2.0], mask=[False, True])})
+    assert solution.reason[0] is None
+    assert solution.reason[1].startswith("plant.mass: nan: ")

@@ -30,12 +30,12 @@ def in_order(solution):
 
 @pytest.mark.parametrize("name", RIGS)
 def test_events_are_those_of_a_tight_run(name):
-    found = in_order(solved(RIGS[name]))
+    result = in_order(solved(RIGS[name]))
     tight = {**RIGS[name], "solve": {**RIGS[name]["solve"], "rtol": 1e-12}}
     expected = in_order(solved(tight))
-    assert len(found) > 4
-    assert [rises for _, rises in found] == [rises for _, rises in expected]
-    np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], rtol=0, atol=1e-6)
+    assert len(result) > 4
+    assert [rises for _, rises in result] == [rises for _, rises in expected]
+    np.testing.assert_allclose([t for t, _ in result], [t for t, _ in expected], rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -49,9 +49,9 @@ def test_events_lie_between_the_rows_where_the_speed_passes(name):
     solution = solved({**RIGS[name], "output": {"step": 2e-4}})
     t, above = solution.t, np.abs(solution["v"]) >= V_S
     passes = np.flatnonzero(above[1:] != above[:-1])
-    found = in_order(solution)
-    assert [rises for _, rises in found] == above[passes + 1].tolist()
-    times = np.array([t for t, _ in found])
+    result = in_order(solution)
+    assert [rises for _, rises in result] == above[passes + 1].tolist()
+    times = np.array([t for t, _ in result])
     assert np.all((times >= t[passes]) & (times <= t[passes + 1]))
 
 
@@ -112,7 +112,7 @@ def test_every_crossing_within_one_step(tmp_path):
     for _ in range(3000):
         values = random.uniform(-1, 1, 5) * random.choice([0.5, 2.0, 4.0])
         v0, v1, d = bernstein(values)
-        found = events_of(library, v0, v1, d, 0.3)
+        result = events_of(library, v0, v1, d, 0.3)
         quartic = np.polyfit(np.linspace(0, 1, 5), values, 4)
         expected = []
         for level in (0.3, -0.3):
@@ -120,9 +120,9 @@ def test_every_crossing_within_one_step(tmp_path):
             real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real < 1)]
             expected += [(s, np.polyval(np.polyder(quartic), s) * level > 0) for s in real]
         expected.sort()
-        assert [up for _, up in found] == [up for _, up in expected]
-        np.testing.assert_allclose([s for s, _ in found], [s for s, _ in expected], rtol=0, atol=1e-7)
-        most = max(most, len(found))
+        assert [up for _, up in result] == [up for _, up in expected]
+        np.testing.assert_allclose([s for s, _ in result], [s for s, _ in expected], rtol=0, atol=1e-7)
+        most = max(most, len(result))
     assert most >= 6
 
 

@@ -23,11 +23,11 @@ VALUES = {"law.k_v": np.geomspace(1e6, 1e8, 11), "law.parameters.F_s": np.linspa
 
 def library(*options):
     chosen = compiler.find().for_lanes()
-    found, _ = cache.library(
+    result, _ = cache.library(
         source(Scenario(DATA).system, lanes=True), replace(chosen, options=(*chosen.options, *options))
     )
-    lanes.check(found)
-    return found
+    lanes.check(result)
+    return result
 
 
 def evaluated(name, x):
@@ -84,8 +84,8 @@ def test_each_row_ends_a_step_where_that_is_asked_for():
     scenario = Scenario({**DATA, "output": {"step": DATA["solve"]["t_end"] / 3000}})
     variations = Variations(scenario, {"law.k_v": np.array([1e6, 1e7])})
     tolerances = Tolerances(variations.atol(), np.ones(2), rows_are_steps=True)
-    found = lanes.lane_solver(library(), 1)(variations, None, tolerances)
-    assert np.all(found.counts["accepted"] >= scenario.rows - 1)
+    result = lanes.lane_solver(library(), 1)(variations, None, tolerances)
+    assert np.all(result.counts["accepted"] >= scenario.rows - 1)
 
 
 @pytest.mark.share(2)
@@ -95,14 +95,14 @@ def test_every_width_agrees_with_single_runs(width):
     variations = Variations(Scenario(DATA), VALUES)
     loaded = library(f"-DLANES={width}")
     assert loaded.stribeck_lanes() == width
-    found = lanes.solve(lanes.lane_solver(loaded, 1), variations)
+    solution = lanes.solve(lanes.lane_solver(loaded, 1), variations)
     for lane in range(len(variations)):
         alone = simulate(Scenario(DATA).with_changes(variations.changes(lane)))
         peaks = np.abs(alone.states).max(axis=0)
-        assert np.all(np.abs(found.states[lane] - alone.states) <= 1e-7 * peaks)
-        assert found.counts["happened"][lane, 0, 0] == len(alone.events["slip"])
+        assert np.all(np.abs(solution.states[lane] - alone.states) <= 1e-7 * peaks)
+        assert solution.counts["happened"][lane, 0, 0] == len(alone.events["slip"])
         steps = alone.stats["accepted"] + alone.stats["rejected"]
-        assert abs(found.counts["accepted"][lane] + found.counts["rejected"][lane] - steps) < 0.05 * steps
+        assert abs(solution.counts["accepted"][lane] + solution.counts["rejected"][lane] - steps) < 0.05 * steps
 
 
 def test_a_trajectory_that_follows_another_in_its_lane_is_looked_at_from_its_own_start():
@@ -112,21 +112,21 @@ def test_a_trajectory_that_follows_another_in_its_lane_is_looked_at_from_its_own
     assert often != text
     chosen = compiler.find().for_lanes()
     loaded, _ = cache.library(often, replace(chosen, options=(*chosen.options, "-DLANES=2")))
-    found = lanes.solve(lanes.lane_solver(loaded, 1), Variations(Scenario(DATA), VALUES)).counts
-    assert not found["status"].any()
-    assert (found["accepted"] > 200).all()
+    solution = lanes.solve(lanes.lane_solver(loaded, 1), Variations(Scenario(DATA), VALUES)).counts
+    assert not solution["status"].any()
+    assert (solution["accepted"] > 200).all()
 
 
 def test_one_vector_and_several_by_turns_make_the_same_bits():
-    loaded, found = library(), []
+    loaded, result = library(), []
     many = {path: np.resize(x, 32) for path, x in VALUES.items()}
     for groups in (1, 2, 3, 1000):
-        made = lanes.lane_arrays(Variations(Scenario(DATA), many))
-        made.batch.groups = groups
-        loaded.stribeck_solve_batch(ctypes.byref(made.batch))
-        found.append(lanes.outcome(made))
-    assert np.all(np.isfinite(found[0].states))
-    assert len({x.digest for x in found}) == 1
+        built = lanes.lane_arrays(Variations(Scenario(DATA), many))
+        built.batch.groups = groups
+        loaded.stribeck_solve_batch(ctypes.byref(built.batch))
+        result.append(lanes.outcome(built))
+    assert np.all(np.isfinite(result[0].states))
+    assert len({x.digest for x in result}) == 1
 
 
 def test_a_library_of_another_kind_is_refused():
@@ -139,14 +139,14 @@ def test_nothing_is_written_outside_the_rows():
     """Lanes for which no trajectory was left wrote before the first row where times passed 1e300."""
     data = rig("lugre_sobczyk", spring("canudas1995"), {"kind": "ramp", "rate": 0.0}, 99e300)
     few = Variations(Scenario(data | {"output": {"step": 1e300}}), {"law.k_v": np.array([1e6, 1e7])})
-    made = lanes.lane_arrays(few)
-    out = made.by_name["out"]
+    built = lanes.lane_arrays(few)
+    out = built.by_name["out"]
     guarded = np.full(3 * out.size, 1.25)
     inside = guarded[out.size : 2 * out.size]
     inside[:] = np.nan
-    made.batch.out = inside.ctypes.data
-    lanes._run(library(), made, 1, None)
-    assert lanes.outcome(made).counts["status"].tolist() == [0, 0]
+    built.batch.out = inside.ctypes.data
+    lanes._run(library(), built, 1, None)
+    assert lanes.outcome(built).counts["status"].tolist() == [0, 0]
     assert (guarded[: out.size] == 1.25).all()
     assert (guarded[2 * out.size :] == 1.25).all()
     assert np.isfinite(inside).all()

@@ -69,8 +69,8 @@ def test_it_moves_as_scipy_says_and_keeps_the_balance_of_energy(folder):
         F, between = law.force(v, z), C * (at - y) + D * (speed - v)
         return v, (PULL * (0.1 * t - y) - F + between) / M, law.rate(v, z), speed, -between / L
 
-    found = solve_ivp(rates, (0, 1.5), [0, 0, 0, 0.05, 0], "Radau", solution.t, rtol=1e-9, atol=1e-12).y
-    for name, expected in (("y", found[0]), ("v", found[1]), ("z", found[2]), ("d", found[3] - found[0])):
+    result = solve_ivp(rates, (0, 1.5), [0, 0, 0, 0.05, 0], "Radau", solution.t, rtol=1e-9, atol=1e-12).y
+    for name, expected in (("y", result[0]), ("v", result[1]), ("z", result[2]), ("d", result[3] - result[0])):
         assert abs(solution[name] - expected).max() < 1e-5 * abs(expected).max(), name
     stored = solution["E_stored"]
     off = solution["E_in"] + stored[0] - stored - solution["E_dissipated"]

@@ -39,18 +39,18 @@ def test_a_motion_far_below_the_laws_scales(size, lanes):
     if lanes:
         many = stribeck.simulate(data, {"plant.mass": [1.0, 1.0, 2.0]})
         assert many.status == ["done"] * 3
-        found = {name: many[name][1] for name in ("y", "v")} | {"t": many.t}
+        result = {name: many[name][1] for name in ("y", "v")} | {"t": many.t}
     else:
-        found = stribeck.simulate(data)
-        assert found.status == "done"
+        result = stribeck.simulate(data)
+        assert result.status == "done"
     damping, k, n = 30.4, 1.1e5, 1e4
     a, w = damping / 2, np.sqrt(k - damping**2 / 4)
-    decay, t = np.exp(-a * found["t"]), found["t"]
+    decay, t = np.exp(-a * result["t"]), result["t"]
     y = n * size / k * (1 - decay * (np.cos(w * t) + a / w * np.sin(w * t)))
     v = n * size / w * decay * np.sin(w * t)
     slip = 10 * size * n / 1.5  # by which |v| z/g bends the elastic motion, on the way there and back
-    assert np.max(abs(found["y"] - y)) <= (1e-6 + slip) * np.max(abs(y))
-    assert np.max(abs(found["v"] - v)) <= (1e-6 + slip) * np.max(abs(v))
+    assert np.max(abs(result["y"] - y)) <= (1e-6 + slip) * np.max(abs(y))
+    assert np.max(abs(result["v"] - v)) <= (1e-6 + slip) * np.max(abs(v))
 
 
 def test_a_force_that_is_a_small_difference_of_large_terms():
@@ -58,16 +58,16 @@ def test_a_force_that_is_a_small_difference_of_large_terms():
     z = v g/m the bristles' rate is (g/m)' v' z/v, and F = sigma_0 g v/m + sigma_2 v + 2nd order."""
     p = {"sigma_0": 2e5, "sigma_1": 7.7e4, "sigma_2": 1.2e-3, "F_c": 3.9e-6, "F_s": 7.2e-6, "v_s": 3.4e-6}
     drive = {"kind": "force", "signal": {"kind": "step", "value": 7.7e-6, "time": 2.8}}
-    found = stribeck.simulate(scenario({"name": "lugre_majorant", "k_v": 1.7, "parameters": p}, drive, 35.0, 7.4))
-    v, t = found["v"], found.t
+    solution = stribeck.simulate(scenario({"name": "lugre_majorant", "k_v": 1.7, "parameters": p}, drive, 35.0, 7.4))
+    v, t = solution["v"], solution.t
     later = t > 3.0
     g = (p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
     m = v * 2 / np.pi * np.arctan(1.7 * v) + 2 / (np.pi * 1.7)
-    acceleration = (7.7e-6 - found["F"]) / 35.0
+    acceleration = (7.7e-6 - solution["F"]) / 35.0
     expected = p["sigma_0"] * v * g / m + p["sigma_2"] * v + p["sigma_1"] * np.gradient(v * g / m, t, edge_order=2)
-    assert found.status == "done"
+    assert solution.status == "done"
     assert np.max(abs(acceleration)) <= 1.01 * 7.7e-6 / 35.0
-    assert np.max(abs(found["F"] - expected)[later][2:-2]) <= 1e-3 * np.max(abs(expected[later]))
+    assert np.max(abs(solution["F"] - expected)[later][2:-2]) <= 1e-3 * np.max(abs(expected[later]))
 
 
 REFERENCES = sorted((Path(__file__).parent / "accuracy").glob("*.toml"))
@@ -77,20 +77,22 @@ REFERENCES = sorted((Path(__file__).parent / "accuracy").glob("*.toml"))
 def test_a_motion_that_was_wrong_agrees_with_extended_precision(path):
     """Equations written apart, a 64-bit mantissa, Radau IIA of five stages, 1e-12; F was off by up to 440 peaks."""
     expected = np.genfromtxt(path.with_suffix(".csv"), delimiter=",", names=True)
-    found = stribeck.simulate(path)
-    assert found.status == "done"
-    rows = np.rint(expected["t"] / found.scenario.output.step).astype(int)
+    solution = stribeck.simulate(path)
+    assert solution.status == "done"
+    rows = np.rint(expected["t"] / solution.scenario.output.step).astype(int)
     for name, most in (("y", 1e-6), ("v", 1e-6), ("F", 1e-4)):
-        assert np.max(abs(found[name][rows] - expected[name])) <= 0.2 * most * np.max(abs(expected[name])), name
+        assert np.max(abs(solution[name][rows] - expected[name])) <= 0.2 * most * np.max(abs(expected[name])), name
 
 
 def test_an_ordinary_motion_is_solved_once():
     """No step more than before: the second pass is for motions that need it."""
     drive = {"kind": "spring", "stiffness": 1e4, "signal": {"kind": "ramp", "rate": 1e-3}}
-    found = stribeck.simulate(scenario({"name": "lugre_majorant", "k_v": 1e6, "parameters": NEARLY}, drive, t_end=1.0))
-    promise = Promise(found.scenario, finest_scale)
-    atol = np.array([[found.scenario.atol()[state.name] for state in found.scenario.system.states]])
-    peaks = [*(found.peaks[name] for name in ("y", "v", "z")), found.peaks["F"], *[0.0] * 7]
+    solution = stribeck.simulate(
+        scenario({"name": "lugre_majorant", "k_v": 1e6, "parameters": NEARLY}, drive, t_end=1.0)
+    )
+    promise = Promise(solution.scenario, finest_scale)
+    atol = np.array([[solution.scenario.atol()[state.name] for state in solution.scenario.system.states]])
+    peaks = [*(solution.peaks[name] for name in ("y", "v", "z")), solution.peaks["F"], *[0.0] * 7]
     assert not promise.missed(Tolerances(atol, np.ones(1)), MeasuredMotion.of(np.array([peaks]), 3)).lanes.any()
 
 
@@ -101,8 +103,8 @@ def test_what_rounding_forbids_is_said():
     data = scenario({"name": "lugre_majorant", "k_v": 0.1, "parameters": p}, drive, 1.0, 0.1)
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always", StribeckNote)
-        found = stribeck.simulate(data)
-    assert found.status == "done"
+        solution = stribeck.simulate(data)
+    assert solution.status == "done"
     assert any("F to 0.0001 of the peak" in str(note.message) for note in notes)
 
 
@@ -126,10 +128,10 @@ def test_errors_that_grow_along_the_motion_get_smaller_tolerances(backend, monke
         many = stribeck.simulate(data, {"bodies.arm.inertia": [1.0, 1.1]})
         t, y = many.t, many["arm.y"][0]
     else:
-        found = stribeck.simulate(data)
-        assert found.message.startswith("done")
-        assert "accuracy" not in found.message
-        t, y = found.t, found["arm.y"]
+        solution = stribeck.simulate(data)
+        assert solution.message.startswith("done")
+        assert "accuracy" not in solution.message
+        t, y = solution.t, solution["arm.y"]
     assert np.max(abs(y - angle(t))) <= 1e-7 * np.max(y)
 
 
@@ -174,11 +176,11 @@ def test_a_body_within_the_play_of_a_link_stays_where_it_is():
         "loads": {"push": {"on": "pushed", "kind": "signal", "signal": {"kind": "ramp", "rate": 1.0}}},
         "solve": {"t_end": 1.0}, "output": {"step": 0.1},
     }  # fmt: skip
-    found = stribeck.simulate(data)
-    assert found.peaks["pushed.y"] > 0.1
-    assert not np.any(found["free.y"])
-    assert not np.any(found["guide.F"])
-    assert "accuracy" not in found.message
+    solution = stribeck.simulate(data)
+    assert solution.peaks["pushed.y"] > 0.1
+    assert not np.any(solution["free.y"])
+    assert not np.any(solution["guide.F"])
+    assert "accuracy" not in solution.message
 
 
 @pytest.mark.parametrize("share", [1e-10, 1e-16, 1e-20])
@@ -194,12 +196,12 @@ def test_a_body_that_moves_far_less_than_another(share):
         },
         "solve": {"t_end": 0.05}, "output": {"step": 5e-4},
     }  # fmt: skip
-    found = stribeck.simulate(data)
+    solution = stribeck.simulate(data)
     a, w = 30.4 / 2e-3, np.emath.sqrt(1e5 / 1e-3 - (30.4 / 2e-3) ** 2)
-    y = share / 1e5 * (1 - np.exp(-a * found.t) * (np.cos(w * found.t) + a / w * np.sin(w * found.t))).real
+    y = share / 1e5 * (1 - np.exp(-a * solution.t) * (np.cos(w * solution.t) + a / w * np.sin(w * solution.t))).real
     slip = 10 * share  # by which |v| z/g bends the elastic motion
-    assert np.max(abs(found["small.y"] - y)) <= (1e-6 + slip) * max(np.max(y), 1e-12 * found.peaks["large.y"])
-    assert "accuracy" not in found.message
+    assert np.max(abs(solution["small.y"] - y)) <= (1e-6 + slip) * max(np.max(y), 1e-12 * solution.peaks["large.y"])
+    assert "accuracy" not in solution.message
 
 
 def test_a_tolerance_of_the_file_stays():
@@ -214,18 +216,18 @@ EDGE = Path(__file__).parent / "near_an_edge.toml"  # at rtol 1e-8 a reading fal
 
 def test_a_reading_near_the_edge_of_a_count():
     """Two tolerances differ, and finer runs follow until two agree."""
-    found, fine = (stribeck.simulate(stribeck.load(EDGE), **more) for more in ({}, {"rtol": 1e-11}))
-    assert found.message.startswith("done")
+    result, fine = (stribeck.simulate(stribeck.load(EDGE), **more) for more in ({}, {"rtol": 1e-11}))
+    assert result.message.startswith("done")
     for name, share in (("rotor.y", 1e-6), ("rotor.v", 1e-6), ("arm.y", 1e-6), ("bearing.F", 1e-4), ("seal.F", 1e-4)):
-        assert np.max(abs(found[name] - fine[name])) <= 0.1 * share * np.max(abs(fine[name]))
+        assert np.max(abs(result[name] - fine[name])) <= 0.1 * share * np.max(abs(fine[name]))
 
 
 def test_readings_that_no_tolerance_settles_are_said(monkeypatch):
     """Where the finest run still differs from the one before."""
     monkeypatch.setattr(counts, "_FINEST", 1e-9)
     with pytest.warns(StribeckNote, match="less differ by more than 1e-06 of the peak; counts of an encoder"):
-        found = stribeck.simulate(stribeck.load(EDGE))
-    assert "counts of an encoder" in found.message
+        solution = stribeck.simulate(stribeck.load(EDGE))
+    assert "counts of an encoder" in solution.message
     finest = stribeck.simulate(stribeck.load(EDGE), rtol=1e-9)  # none is finer, and a looser one says nothing of it
     assert "counts of an encoder" not in finest.message
 

@@ -35,9 +35,9 @@ def oscillator(scenario, t):
 def off(scenario):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = simulate(scenario)
-    y, v = oscillator(scenario, found.t)
-    return max(np.max(abs(found["y"] - y)) / np.max(abs(y)), np.max(abs(found["v"] - v)) / np.max(abs(v)))
+        solution = simulate(scenario)
+    y, v = oscillator(scenario, solution.t)
+    return max(np.max(abs(solution["y"] - y)) / np.max(abs(y)), np.max(abs(solution["v"] - v)) / np.max(abs(v)))
 
 
 @pytest.mark.parametrize("sigma_1", [316.0, 30.0, 10.0, 3.0, 1.0])

@@ -77,17 +77,17 @@ def test_the_lock_of_python_is_free_while_a_simulation_runs(monkeypatch):
 
 def test_threads_agree_with_one_another():
     tables = [rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": r}, 6.0) for r in (0.1, 0.3)] * 3
-    expected, found = [solved(table)["y"] for table in tables], [None] * len(tables)
+    expected, result = [solved(table)["y"] for table in tables], [None] * len(tables)
 
     def run(i):
-        found[i] = solved(tables[i])["y"]
+        result[i] = solved(tables[i])["y"]
 
     threads = [threading.Thread(target=run, args=(i,)) for i in range(len(tables))]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    for one, other in zip(found, expected, strict=True):
+    for one, other in zip(result, expected, strict=True):
         np.testing.assert_array_equal(one, other)
 
 

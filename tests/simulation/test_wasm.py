@@ -108,17 +108,17 @@ def sampled_with_noise():
 def test_a_lane_has_the_bits_of_a_single_run(data, values, monkeypatch):
     monkeypatch.setenv("STRIBECK_BACKEND", "wasm")
     scenario = Scenario(data)
-    found = simulate(scenario, vary=values, threads=2)
-    for lane, reason in enumerate(found.reason):
+    solution = simulate(scenario, vary=values, threads=2)
+    for lane, reason in enumerate(solution.reason):
         if reason is not None:
-            assert np.isnan(found._states[lane]).all()
+            assert np.isnan(solution._states[lane]).all()
             continue
         alone = simulate(scenario.with_changes({path: x[lane] for path, x in values.items()}))
-        np.testing.assert_array_equal(found._states[lane][:, : alone.states.shape[1]], alone.states)
-        assert found.accepted[lane] == alone.stats["accepted"]
+        np.testing.assert_array_equal(solution._states[lane][:, : alone.states.shape[1]], alone.states)
+        assert solution.accepted[lane] == alone.stats["accepted"]
         for kind in ("slip", "stick"):
             of_run = alone.events[kind] if kind in alone.events else alone.events["rail"][kind]
-            assert getattr(found, f"{kind}s")[lane] == len(of_run)
+            assert getattr(solution, f"{kind}s")[lane] == len(of_run)
 
 
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="needs a longer number to compare with")
@@ -129,8 +129,8 @@ def test_exp_is_within_two_units_in_the_last_place():
     called = wasmtime.Instance(store, wasmtime.Module(store.engine, module), []).exports(store)["call_exp"]
     random = np.random.default_rng(2)
     x = np.concatenate([random.uniform(-700, 700, 1000), random.uniform(-1, 1, 1000), [0.0, -0.0, 1e-300, 700, -700]])
-    found, exact = np.array([called(store, float(y)) for y in x]), np.exp(x.astype(np.longdouble))
-    assert np.max(np.abs((found - exact) / np.spacing(exact.astype(float)))) < 2
+    outcome, exact = np.array([called(store, float(y)) for y in x]), np.exp(x.astype(np.longdouble))
+    assert np.max(np.abs((outcome - exact) / np.spacing(exact.astype(float)))) < 2
     edges = [called(store, y) for y in (np.inf, -np.inf, 800.0, -800.0, np.nan)]
     np.testing.assert_array_equal(edges, [np.inf, 0.0, np.inf, 0.0, np.nan])
 
@@ -140,10 +140,10 @@ def test_the_runtime_is_what_its_source_gives(tmp_path):
     """The module in the package is built by tools/make_runtime.py from the C that is compiled elsewhere."""
     pytest.importorskip("ziglang")
     spec = importlib.util.spec_from_file_location("make_runtime", ROOT / "tools" / "make_runtime.py")
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    made.build(tmp_path / "runtime.wasm")
-    assert (tmp_path / "runtime.wasm").read_bytes() == made.TARGET.read_bytes()
+    built = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(built)
+    built.build(tmp_path / "runtime.wasm")
+    assert (tmp_path / "runtime.wasm").read_bytes() == built.TARGET.read_bytes()
 
 
 @pytest.mark.parametrize(("asked", "words"), [("gcc", "must be auto, c or wasm"), ("c", "no C compiler was found")])
@@ -180,9 +180,9 @@ def test_threads_solve_beside_each_other(by_wasm):
 
     scenario = Scenario.load(examples.path("stick_slip"))
     system = wasm.system_module(scenario.system)
-    made, _ = wasm.compiled(system.module)
+    built, _ = wasm.compiled(system.module)
     with ThreadPoolExecutor(4) as pool:
-        results = list(pool.map(lambda _: wasm.solve(made, system, scenario), range(8)))
+        results = list(pool.map(lambda _: wasm.solve(built, system, scenario), range(8)))
     assert {hashlib.sha256(x.states.tobytes()).digest() for x in results} == {
         hashlib.sha256(results[0].states.tobytes()).digest()
     }

@@ -66,10 +66,10 @@ def test_every_command_is_in_the_reference_with_all_its_options(monkeypatch):
     monkeypatch.syspath_prepend(str(DOCS / "_ext"))
     from commands import reference
 
-    found = reference()
+    result = reference()
     group = typer.main.get_command(app)
-    assert set(found) == set(group.commands)
-    for name, lines in found.items():
+    assert set(result) == set(group.commands)
+    for name, lines in result.items():
         assert lines[0][1], name
         assert lines[-1][1].startswith("Example"), name
         assert not (silent := [words for words, meaning in lines[1:-1] if not meaning]), (name, silent)
@@ -331,8 +331,10 @@ def test_the_site_is_built_without_a_warning(tmp_path):
         "def setup(app):\n    app.add_directive('explorer', None_)\n"
     )
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-D", "plot_gallery=0"]
-    made = subprocess.run([*command, str(source), str(tmp_path / "site")], capture_output=True, text=True, check=False)
-    assert made.returncode == 0, made.stderr[-2000:]
+    process = subprocess.run(
+        [*command, str(source), str(tmp_path / "site")], capture_output=True, text=True, check=False
+    )
+    assert process.returncode == 0, process.stderr[-2000:]
     assert "stribeck run" in (tmp_path / "site" / "reference" / "commands.html").read_text(encoding="utf-8")
     reference = (tmp_path / "site" / "reference" / "python.html").read_text(encoding="utf-8")
     assert "InputError" in reference

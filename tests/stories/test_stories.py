@@ -79,17 +79,17 @@ def test_the_log_of_a_closed_loop_becomes_a_compensator(tmp_path, capsys):
     run(
         f"stribeck fit {SERVO / 'closed.csv'} --time t --position theta --unit theta=rad --force i --force-gain 0.05 --out fit"
     )
-    told = json.loads((tmp_path / "fit" / "fit.json").read_text())["estimates"]
+    document = json.loads((tmp_path / "fit" / "fit.json").read_text())["estimates"]
     truth = {"F_c": 0.02, "F_s": 0.03, "v_s": 1.0, "sigma_2": 1e-4, "mass": 5e-5}
-    open_ = [n for n in truth if told[n]["state"] == "not identifiable"]
+    open_ = [n for n in truth if document[n]["state"] == "not identifiable"]
     for name in (n for n in truth if n not in open_):
-        assert told[name]["range"][0] <= truth[name] <= told[name]["range"][1], name
+        assert document[name]["range"][0] <= truth[name] <= document[name]["range"][1], name
     assert {"F_c", "F_s", "mass"}.isdisjoint(open_)
-    sharp = "" if "k_v" in told else "k_v = 1e3,"
+    sharp = "" if "k_v" in document else "k_v = 1e3,"
     (tmp_path / "servo.toml").write_text(f"""
 schema = 2
 [bodies.rotor]
-inertia = {told["mass"]["estimate"]}
+inertia = {document["mass"]["estimate"]}
 [contacts.bearing]
 from = "rotor"
 law = {{ name = "stribeck", {sharp} parameters = "fit/parameters.toml" }}
@@ -107,7 +107,7 @@ t_end = 4.0
 [output]
 step = 1e-3
 """)
-    if told.get("k_v", {}).get("state") == "not identifiable":
+    if document.get("k_v", {}).get("state") == "not identifiable":
         open_, truth = [*open_, "k_v"], {**truth, "k_v": 1e3}
     own = " ".join(f"--set contacts.bearing.law.parameters.{n}={truth[n]}" for n in open_ if n != "mass")
     run(f"stribeck design servo.toml {own}")

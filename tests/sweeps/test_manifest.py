@@ -25,15 +25,15 @@ def test_the_manifest_counts_the_lanes_beyond_the_promised_accuracy(tmp_path):
         "solve": {"t_end": 20.0}, "output": {"step": 0.1},
     }  # fmt: skip
     for _ in range(2):
-        found = stribeck.sweep(data, {"bodies.arm.initial.v": [1.0, speed]}, tmp_path, summary=True)
+        result = stribeck.sweep(data, {"bodies.arm.initial.v": [1.0, speed]}, tmp_path, summary=True)
         manifest = json.loads((tmp_path / "_manifest.json").read_text())
-        assert found.inaccurate == sum(manifest["inaccurate"].values()) == 1
+        assert result.inaccurate == sum(manifest["inaccurate"].values()) == 1
 
 
 def test_the_manifest_counts_the_lanes_that_failed(tmp_path):
-    found = stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True)
+    result = stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True)
     manifest = json.loads((tmp_path / "_manifest.json").read_text())
-    assert found.failed == sum(manifest["failed"].values()) == 1
+    assert result.failed == sum(manifest["failed"].values()) == 1
     assert stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True).failed == 1
 
 

@@ -86,8 +86,8 @@ def test_22_dropping_the_level_is_what_breaks_it():
     each = builtin()["lugre"]
     power = each.friction(p, v, high / s0, each.dz_dt(p, v, high / s0)) / v
     table = {s0: 2, s1: sp.Rational(7, 10), s2: sp.Rational(4, 10), F_c: low, F_s: 2 * low, v_s: 1}
-    found = sp.limit(power.subs(table).subs({low: 1, high: 3}), v, sp.oo)
-    assert sp.simplify(found - (s1 + s2 - s1 * high / low).subs(table).subs({low: 1, high: 3})) == 0
+    root = sp.limit(power.subs(table).subs({low: 1, high: 3}), v, sp.oo)
+    assert sp.simplify(root - (s1 + s2 - s1 * high / low).subs(table).subs({low: 1, high: 3})) == 0
 
 
 def test_23_a_stiffness_that_changes_gives_energy_at_no_cost():

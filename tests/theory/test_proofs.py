@@ -68,8 +68,8 @@ def test_2_any_level_is_passed(level):
     model = law("lugre_arctan", "canudas1995", k_v=1e6)
     slow = pi * P["F_c"] / (4 * P["sigma_0"] * 1e6 * level)
     distance = 2 * level * np.log(2)
-    found = solve_ivp(lambda y, z: model.rate(slow, z) / slow, (0, distance), [0.0], rtol=1e-10, atol=1e-15)
-    assert found.y[0, -1] >= level * (1 - 1e-9)
+    solution = solve_ivp(lambda y, z: model.rate(slow, z) / slow, (0, distance), [0.0], rtol=1e-10, atol=1e-15)
+    assert solution.y[0, -1] >= level * (1 - 1e-9)
     u = sp.Symbol("u", positive=True)
     assert sp.limit(-sp.log(1 - u) / u, u, 0) == 1
     assert sp.simplify(-sp.log(1 - u) / u).subs(u, sp.Rational(1, 2)) == 2 * sp.log(2)  # it rises with u

@@ -36,8 +36,8 @@ LEAF = ["leaf", [STRIBECK]]
 
 
 def claim(about: str, s: int, t: int, relation: str, u: Any = ALL, w: Any = ALL, **more: Any) -> dict[str, Any]:
-    made = {"about": about, "v": s, "z": t, "relation": relation, "tree": LEAF, **more}
-    return made | ({"u": u} if s else {}) | ({"w": w} if t else {})
+    built = {"about": about, "v": s, "z": t, "relation": relation, "tree": LEAF, **more}
+    return built | ({"u": u} if s else {}) | ({"w": w} if t else {})
 
 
 def certificate(name: str, theorem: str, claims: list[Any], rate: Any = LUGRE, **more: Any) -> dict[str, Any]:

@@ -39,8 +39,8 @@ def checked(name):
 @pytest.mark.share(7)
 @pytest.mark.parametrize(("name", "prop", "change"), WRONG)
 def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change):
-    law, found = checked(name)
-    verdict = found[prop]
+    law, result = checked(name)
+    verdict = result[prop]
     assert verdict.holds is False
     assert confirmed(statement(law), prop, verdict.evidence) is True
     evidence = deepcopy(verdict.evidence)
@@ -54,16 +54,16 @@ def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change
     "name", ["DahlHalf", "BoucWenHalf", "LorentzianPower", "SechStribeck", "BoucWenSoft", "OwnConstants"]
 )
 def test_powers_rising_exponentials_and_own_constants_are_decided_and_confirmed(name):
-    case, (_, found) = LAWS[name], checked(name)
-    open_ = {n for n, v in found.properties.items() if v.holds is None}
+    case, (_, result) = LAWS[name], checked(name)
+    open_ = {n for n, v in result.properties.items() if v.holds is None}
     assert open_ <= ({"unique"} if name.endswith("Half") else set())
-    assert all(found[n].holds in (None, true) for n, true in case.truth.items())
-    assert found.verify()
+    assert all(result[n].holds in (None, true) for n, true in case.truth.items())
+    assert result.verify()
 
 
 def test_floor_is_said_not_to_be_treated():
-    found = stribeck.check(LAWS["FloorPushes"].law())
-    assert all(v.holds is None and "floor" in v.evidence["reason"] for v in found.properties.values())
+    verdicts = stribeck.check(LAWS["FloorPushes"].law())
+    assert all(v.holds is None and "floor" in v.evidence["reason"] for v in verdicts.properties.values())
 
 
 def test_a_law_that_is_elastic_near_0_is_not_said_to_drift():

@@ -106,7 +106,7 @@ def test_a_range_holds_every_value(seed):
 
 def atoms_for(rng: random.Random, x: Node) -> list[Any]:
     """Atoms with rules that may or may not fit, for every function and case in an expression."""
-    made = []
+    results = []
     seen = set()
 
     def visit(y: Node) -> Any:
@@ -120,14 +120,14 @@ def atoms_for(rng: random.Random, x: Node) -> list[Any]:
                      ["above", rng.choice(["0", "1", "-1"])], ["below", rng.choice(["0", "1"])],
                      ["chord", rng.choice(["0", "1/2", "2/5"]), rng.choice(["1", "1", "1/2"])]]  # fmt: skip
             rules += rules[-4:] * (y.op in ("pow", "sqrt", "exp"))
-            made.append([written, *rng.choice(rules)])
+            results.append([written, *rng.choice(rules)])
         elif y.op in ("where", "abs", "sign") and y not in seen:
-            made.append([written, "either"])
+            results.append([written, "either"])
         seen.add(y)
         return written
 
     visit(x)
-    return made
+    return results
 
 
 @pytest.mark.parametrize("open_", [True, False], ids=["u, w > 0", "u, w >= 0"])
@@ -157,7 +157,7 @@ def test_what_a_leaf_accepts_is_true(seed, open_):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_equal_keys_are_equal_functions(seed):
-    rng, found = random.Random(200 + seed), 0
+    rng, result = random.Random(200 + seed), 0
     with mpmath.workdps(40):
         for _ in range(150):
             a, b = (read(expression(rng, 3), NAMES) for _ in range(2))
@@ -170,7 +170,7 @@ def test_equal_keys_are_equal_functions(seed):
             for i, j in ((0, 1), (0, 2)):
                 if keys[i] != keys[j]:
                     continue
-                found += 1
+                result += 1
                 for at in points(rng, region(rng).given, 4):
                     try:
                         y, other = (value(both[k], at) for k in (i, j))
@@ -179,7 +179,7 @@ def test_equal_keys_are_equal_functions(seed):
                     if not (mpmath.isfinite(y) and mpmath.isfinite(other)):
                         continue
                     assert abs(y - other) <= 1e-25 * (1 + abs(y))
-    assert found > 30
+    assert result > 30
 
 
 ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]], ["tanh", "u"]
@@ -211,10 +211,10 @@ ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u"
 def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
     axes = {"u": (fmpq(ends[0]), None if ends[1] is None else fmpq(ends[1]))}
     try:
-        found = Leaf(Region(axes, axes, False), [atom]).holds(read(statement, NAMES), ">=0")
+        result = Leaf(Region(axes, axes, False), [atom]).holds(read(statement, NAMES), ">=0")
     except Refused:
-        found = False
-    assert found is holds
+        result = False
+    assert result is holds
 
 
 @pytest.mark.parametrize(

@@ -217,8 +217,8 @@ KINKS = {
 def test_a_kink_is_not_smooth(what):
     in_force = by_hand.smooth()
     in_force["force"] = ["add", in_force["force"], KINKS[what]]
-    for found in (refusal(by_hand.smooth(["add", by_hand.ROOT, KINKS[what]])), refusal(in_force)):
-        assert re.search("could not be shown to (agree|meet)|may be singular", found)
+    for result in (refusal(by_hand.smooth(["add", by_hand.ROOT, KINKS[what]])), refusal(in_force)):
+        assert re.search("could not be shown to (agree|meet)|may be singular", result)
 
 
 BELL = ["exp", ["neg", ["mul", "v", "v"]]]
@@ -377,23 +377,23 @@ def whole_certificates():
         claim("divisor", 1, 1, "!=0", expression="u"),
         claim("finite", 1, 0, ">=0", sign=1, a="0", b="1", k=1),
     ]
-    found = {name: make() for name, (make, _) in RIGHT.items()}
-    for each in found.values():
+    result = {name: make() for name, (make, _) in RIGHT.items()}
+    for each in result.values():
         each["claims"] = [*each["claims"][:1], *unused]
         each |= {"constants": {"F_c": "1"}, "level": {"F_c": ["1", "inf"]}}
-    inner = {"bounded": {**found["bounded"], "claims": []}}
-    found["unique"] |= {"data": {"within": "1"}, "hypotheses": inner}
-    found["passive"]["hypotheses"] = inner
-    found["passive"]["data"] = {"slope": "z", "own_up_to": "1", "cells": [[1, "0", "1", "2"]]}
-    found["smooth"]["data"] = {"of": ["dz_dt", "force"]}
+    inner = {"bounded": {**result["bounded"], "claims": []}}
+    result["unique"] |= {"data": {"within": "1"}, "hypotheses": inner}
+    result["passive"]["hypotheses"] = inner
+    result["passive"]["data"] = {"slope": "z", "own_up_to": "1", "cells": [[1, "0", "1", "2"]]}
+    result["smooth"]["data"] = {"of": ["dz_dt", "force"]}
     numbers = dict.fromkeys(("k", "s", "d", "c", "N", "above"), "1")
-    found["damped"] = {
-        **found["passive"],
+    result["damped"] = {
+        **result["passive"],
         "theorem": "damped",
         "data": {**numbers, "knots": ["0", "1"]},
         "hypotheses": {},
     }
-    return found
+    return result
 
 
 def places(data, path=()):
@@ -525,5 +525,5 @@ def test_a_reader_that_goes_early_is_no_traceback():
 @pytest.mark.parametrize(("words", "status"), [(["--help"], 0), (["-h"], 0), ([], 2), (["a.json", "b.json"], 2)])
 def test_its_help_stands_where_it_is_asked_for(words, status, capsys):
     assert main(words) == status
-    said = capsys.readouterr()
-    assert "check the certificates" in (said.err if status else said.out)
+    captured = capsys.readouterr()
+    assert "check the certificates" in (captured.err if status else captured.out)

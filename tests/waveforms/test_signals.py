@@ -36,9 +36,9 @@ def test_crossings_are_those_of_samples(signal):
     t = np.linspace(0, 10, 400_001)
     above = np.abs(signal.at(t)) >= 1
     expected = [(t[i + 1], bool(above[i + 1])) for i in np.flatnonzero(above[1:] != above[:-1])]
-    found = signal.crossings(1.0, 10.0)
-    assert [rises for _, rises in found] == [rises for _, rises in expected]
-    np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], rtol=0, atol=3e-5)
+    result = signal.crossings(1.0, 10.0)
+    assert [rises for _, rises in result] == [rises for _, rises in expected]
+    np.testing.assert_allclose([t for t, _ in result], [t for t, _ in expected], rtol=0, atol=3e-5)
 
 
 @pytest.mark.parametrize("signal", MOVING)

@@ -54,11 +54,11 @@ def test_processor_in_the_loop(case, target, tmp_path):
     simulated = stribeck.simulate(scenario)
     given = "\n".join(float(y).hex() for y in readings(simulated))
     printed = output_of(tmp_path, "stage_axis.c", "driver.c", cc=cc, flags=(*static, "-O2"), run=run, given=given)
-    found = np.array([float.fromhex(line) for line in printed.split()])
+    result = np.array([float.fromhex(line) for line in printed.split()])
     acting = np.asarray(simulated["axis.u"])[1:]  # an output begins to act half a period after its sample
-    assert len(found) == 401
+    assert len(result) == 401
     assert len(set(acting.tolist())) > 200
-    assert found[:-1].tolist() == acting.tolist()
+    assert result[:-1].tolist() == acting.tolist()
 
 
 @pytest.mark.share(5)
@@ -99,8 +99,8 @@ def test_fmu(fmi, tmp_path):
         y = readings(run)
         given = np.zeros(len(y), dtype=[("time", float), ("r", float), ("y", float)])
         given["time"], given["r"], given["y"] = run.t, run["axis.r"], y
-        found = fmpy.simulate_fmu(str(path), stop_time=0.3, output_interval=period, input=given, output=["u"])
-        shown = np.asarray(found["u"])[1:]
+        solution = fmpy.simulate_fmu(str(path), stop_time=0.3, output_interval=period, input=given, output=["u"])
+        shown = np.asarray(solution["u"])[1:]
         expected = np.asarray(run["axis.u"])[1 : len(shown) + 1]
         assert np.abs(shown - expected).max() <= 1e-9 * np.abs(expected).max()
     with pytest.raises(fmpy.fmi1.FMICallException):  # what is computed cannot be set

@@ -61,8 +61,8 @@ def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
     true = Scenario(chain(6.0)).with_changes(TRUTH)
     near, far = (simulate(true.with_changes({"bodies.rotor.initial.y": x})) for x in (START, START + 1e-6))
     assert abs(near["rotor.y"] - far["rotor.y"])[-200:].max() > 30 * 1e-6  # errors grow
-    found = fitted(motion, 6.0)
+    result = fitted(motion, 6.0)
     for name, x in TRUTH.items():
-        p = found.estimates[name]
+        p = result.estimates[name]
         assert p.state == "identified"
         assert p.low < x < p.high

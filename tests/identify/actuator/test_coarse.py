@@ -18,7 +18,7 @@ FORCE = np.sin(2 * np.pi * 3.0 * T)
 NOISE = 0.1 * np.random.default_rng(0).standard_normal(len(T))
 
 
-def made(**kinds):
+def built(**kinds):
     """A recording of a position with one input."""
     return Recording(
         "run", T, {"a.y": Channel("y", T, T**2)}, {"loads.f.signal": Channel("f", T, FORCE + NOISE, **kinds)}
@@ -27,7 +27,7 @@ def made(**kinds):
 
 @pytest.mark.parametrize("kinds", [{"smooth": True}, {}, {"held": True}])
 def test_a_coarse_input_follows_the_signal_and_not_its_noise(kinds):
-    coarse = coarser(made(**kinds), 8)
+    coarse = coarser(built(**kinds), 8)
     drive = coarse.inputs["loads.f.signal"]
     middle = drive.t + (3.5e-3 if kinds.get("held") else 0.0)
     off = drive.x[2:-2] - np.sin(2 * np.pi * 3.0 * middle[2:-2])
@@ -36,14 +36,14 @@ def test_a_coarse_input_follows_the_signal_and_not_its_noise(kinds):
 
 
 def test_outputs_keep_every_so_many_samples():
-    coarse = coarser(made(), 4)
+    coarse = coarser(built(), 4)
     np.testing.assert_array_equal(coarse.outputs["a.y"].t, T[::4])
     np.testing.assert_array_equal(coarse.outputs["a.y"].x, T[::4] ** 2)
     np.testing.assert_array_equal(coarse.t, T[::4])
 
 
 def test_uneven_and_short_recordings_stay_as_they_are():
-    assert coarser(made(), 32) is None
+    assert coarser(built(), 32) is None
     t = T**1.001
     assert coarser(Recording("run", t, {"a.y": Channel("y", t, t)}), 2) is None
 

@@ -48,12 +48,12 @@ def fitted(seed, size, noise):
 @pytest.mark.parametrize("noise", [1e-3, 1e-5])
 def test_a_curve_that_nobody_has_seen_tells_no_F_s(noise):
     """Where F_s reaches F_c and any v_s fits as well, the other valley may not have been visited."""
-    found = fitted(2, 8.0, noise)
-    F_s, v_s = found["F_s"], found["v_s"]
+    result = fitted(2, 8.0, noise)
+    F_s, v_s = result["F_s"], result["v_s"]
     assert F_s.state in ("not identifiable", "at least")
     assert v_s.state in ("not identifiable", "at most")
     for name in ("F_c", "F_s", "v_s", "mass"):
-        low, high = found[name].interval
+        low, high = result[name].interval
         assert low < next(x for n, x in TRUTH.items() if n.endswith(name)) < high
     if F_s.state == "at least":
         assert (F_s.high, v_s.low) == (None, 0.0)
@@ -66,9 +66,9 @@ def test_a_machine_that_never_slides_far_shows_one_level(tmp_path):
     bounds = {"F_c": (0.1, 10.0), "F_s": (0.1, 10.0), "v_s": (1e-4, 1.0), "sigma_0": (1e3, 1e6)}
     record(tmp_path / "run.csv", body(amplitude=0.5), noise=3e-7)
     wanted = {f"{law}{name}": {"low": low, "high": high} for name, (low, high) in bounds.items()}
-    found = fit_machine(body(amplitude=0.5, F_c=0.7), logs(tmp_path, ["run.csv"], wanted), starts=4, baselines=False)
-    told = {name: found.estimates[f"{law}{name}"] for name in bounds}
-    assert {name for name, e in told.items() if e.identifiable} == {"sigma_0"}
-    assert told["sigma_0"].low < 2e4 < told["sigma_0"].high
-    assert told["F_c"].why.startswith("no stroke is much longer")
-    assert told["F_s"].why == "v_s is not identifiable: the friction level of slow motion may be F_c"
+    result = fit_machine(body(amplitude=0.5, F_c=0.7), logs(tmp_path, ["run.csv"], wanted), starts=4, baselines=False)
+    reported = {name: result.estimates[f"{law}{name}"] for name in bounds}
+    assert {name for name, e in reported.items() if e.identifiable} == {"sigma_0"}
+    assert reported["sigma_0"].low < 2e4 < reported["sigma_0"].high
+    assert reported["F_c"].why.startswith("no stroke is much longer")
+    assert reported["F_s"].why == "v_s is not identifiable: the friction level of slow motion may be F_c"

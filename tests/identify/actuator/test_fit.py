@@ -33,24 +33,24 @@ def machine(**more):
 
 def test_the_truth_lies_in_the_intervals(recordings):
     path = logs(recordings, ["run0.csv", {"file": "run1.csv", "hold_out": True}], WANTED)
-    found = fit_machine(machine(), path, starts=2)
-    assert found.status == "done", found.reason
+    fitted = fit_machine(machine(), path, starts=2)
+    assert fitted.status == "done", fitted.reason
     for name, truth in ((F_C, 1.0), (MASS, 1.0)):
-        p = found.estimates[name]
+        p = fitted.estimates[name]
         assert p.state == "identified"
         assert p.low < truth < p.high, (name, p)
         assert p.high - p.low < 0.1 * truth
-    assert found.error(held_out=True) < 0.02
-    assert found.baselines["no friction"]["held_out"] > 5 * found.error(held_out=True)
-    assert found.data["bodies"]["a"]["mass"] == found.estimates[MASS].value
+    assert fitted.error(held_out=True) < 0.02
+    assert fitted.baselines["no friction"]["held_out"] > 5 * fitted.error(held_out=True)
+    assert fitted.data["bodies"]["a"]["mass"] == fitted.estimates[MASS].value
 
 
 def test_a_number_short_of_its_optimum_is_not_identified(recordings, monkeypatch):
     """By position a search crept along a valley for as long as it was let, and sigma_0 was identified 29 % off."""
     monkeypatch.setattr(estimation, "settled", lambda problem, u: u + 0.01)
-    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=2, baselines=False)
-    assert {e.state for e in found.estimates.values()} == {"not identifiable"}
-    assert all("did not come to its end" in e.why for e in found.estimates.values())
+    fitted = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=2, baselines=False)
+    assert {e.state for e in fitted.estimates.values()} == {"not identifiable"}
+    assert all("did not come to its end" in e.why for e in fitted.estimates.values())
 
 
 def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):
@@ -84,9 +84,9 @@ def counted(lanes, predict):
 def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_path):
     for factor in (180 / np.pi, -1.0):
         record(tmp_path / "wrong.csv", body(amplitude=5.0), change=lambda x, f=factor: {**x, "y": f * x["y"]})
-        found = fit_machine(machine(), logs(tmp_path, ["wrong.csv"], WANTED), starts=2)
-        assert found.status == "missed"
-        assert not any(p.state == "identified" for p in found.estimates.values())
+        fitted = fit_machine(machine(), logs(tmp_path, ["wrong.csv"], WANTED), starts=2)
+        assert fitted.status == "missed"
+        assert not any(p.state == "identified" for p in fitted.estimates.values())
 
 
 @pytest.mark.thorough
@@ -95,10 +95,10 @@ def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     truth = {"gain": 0.2, "pull": 2.0, "amplitude": 6.0}
     record(tmp_path / "run.csv", body(**truth))
     path = logs(tmp_path, ["run.csv"], {F_C: {"low": 0.1, "high": 10.0}, gain: {"low": 0.0, "high": 0.6}})
-    found = fit_machine(body(**truth, F_s=3.0), path, starts=1, baselines=False)
-    assert "identified" not in {found.estimates[n].state for n in (F_C, gain)}
-    assert found.correlated
-    assert set(found.correlated[0]["names"]) == {F_C, gain}
+    fitted = fit_machine(body(**truth, F_s=3.0), path, starts=1, baselines=False)
+    assert "identified" not in {fitted.estimates[n].state for n in (F_C, gain)}
+    assert fitted.correlated
+    assert set(fitted.correlated[0]["names"]) == {F_C, gain}
 
 
 @pytest.mark.thorough
@@ -106,9 +106,9 @@ def test_friction_alone_may_be_sought(recordings):
     """The machine without friction, which is compared, then has no number left."""
     data = body(F_c=0.8, F_s=1.3)
     data["bodies"]["a"]["initial"] = {"y": 0.0, "v": 0.0}
-    found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=1)
-    assert found.estimates[F_C].low < 1.0 < found.estimates[F_C].high
-    assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
+    fitted = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=1)
+    assert fitted.estimates[F_C].low < 1.0 < fitted.estimates[F_C].high
+    assert fitted.baselines["no friction"]["fitted"] > 5 * fitted.error(held_out=False)
 
 
 @pytest.mark.thorough
@@ -117,10 +117,10 @@ def test_a_machine_without_the_recorded_force_is_no_comparison(tmp_path):
     data, force = body(), solve(body())["guide.F"]
     record(tmp_path / "run.csv", data, change=lambda table: {**table, "F": force})
     entry = {"file": "run.csv", "outputs": {"a.y": "y", "guide.F": "F"}}
-    found = fit_machine(data, logs(tmp_path, [entry], {F_C: WANTED[F_C]}), starts=1)
-    assert found.status == "done", found.reason
-    assert "no friction" not in found.baselines
-    assert not any("why" in each for each in found.baselines.values())
+    fitted = fit_machine(data, logs(tmp_path, [entry], {F_C: WANTED[F_C]}), starts=1)
+    assert fitted.status == "done", fitted.reason
+    assert "no friction" not in fitted.baselines
+    assert not any("why" in each for each in fitted.baselines.values())
 
 
 def test_gaps_are_told(recordings, tmp_path):
@@ -128,8 +128,8 @@ def test_gaps_are_told(recordings, tmp_path):
     rows = (tmp_path / "whole.csv").read_text().splitlines()
     (tmp_path / "gaps.csv").write_text("\n".join(rows[:30] + rows[35:]) + "\n")
     path = logs(tmp_path, ["whole.csv", "gaps.csv"], WANTED)
-    found = fit_machine(machine(), path, starts=1, baselines=False)
-    assert any("gaps.csv: 5 samples are missing" in note for note in found.notes)
+    fitted = fit_machine(machine(), path, starts=1, baselines=False)
+    assert any("gaps.csv: 5 samples are missing" in note for note in fitted.notes)
 
 
 def pressed_at(share):
@@ -145,16 +145,16 @@ def pressed_at(share):
 
 
 def test_a_fit_that_was_stopped_keeps_what_it_found(recordings):
-    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=4, progress=pressed_at(0.02))
-    assert found.status == "stopped"
-    assert all(np.isfinite(e.value) and not e.identifiable for e in found.estimates.values())
+    fitted = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=4, progress=pressed_at(0.02))
+    assert fitted.status == "stopped"
+    assert all(np.isfinite(e.value) and not e.identifiable for e in fitted.estimates.values())
 
 
 def test_a_comparison_that_was_stopped_shows_no_residual(recordings):
     """The residuals of searches that Ctrl-C had ended stood as those of simpler friction."""
-    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=1, progress=pressed_at(0.801))
-    assert (found.status, found.baselines) == ("stopped", {})
-    assert all(e.identifiable for e in found.estimates.values())
+    fitted = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=1, progress=pressed_at(0.801))
+    assert (fitted.status, fitted.baselines) == ("stopped", {})
+    assert all(e.identifiable for e in fitted.estimates.values())
 
 
 @pytest.mark.thorough
@@ -164,8 +164,8 @@ def test_intervals_are_those_of_the_noise_that_is_left(tmp_path):
     law = {"F_c": 1.0, "F_s": 1.3, "v_s": 0.02, "sigma_0": 2e4, "sigma_1": 60.0, "sigma_2": 4.0}
     truth = {f"contacts.guide.law.parameters.{n}": x for n, x in law.items()} | {"bodies.a.mass": 1.0}
     wanted = {n: {"low": x / 5, "high": 5 * x, "start": 2.5 * x} for n, x in truth.items()}
-    found = fit_machine(body(), logs(tmp_path, ["run.csv"], wanted), starts=1, baselines=False)
-    assert abs(found.noise["a.y"] / 2e-5 - 1) < 0.2
+    fitted = fit_machine(body(), logs(tmp_path, ["run.csv"], wanted), starts=1, baselines=False)
+    assert abs(fitted.noise["a.y"] / 2e-5 - 1) < 0.2
 
 
 def test_a_controller_whose_model_changes_with_the_machine_is_refused(tmp_path):

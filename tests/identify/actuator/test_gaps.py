@@ -26,10 +26,10 @@ def test_a_gap_is_crossed_as_the_samples_around_tell():
     t = np.linspace(0.0, 2.0, 401)
     x = np.sin(20 * t)
     some = np.r_[0:100, 108:401]
-    found = bridged(t[some], x[some])
+    result = bridged(t[some], x[some])
     straight = abs(np.interp(t, t[some], x[some]) - x).max()
-    assert abs(np.interp(t, found.t, found.x) - x).max() < 0.05 * straight
-    assert 0 < off(found) < 0.1  # and it is known how well
+    assert abs(np.interp(t, result.t, result.x) - x).max() < 0.05 * straight
+    assert 0 < off(result) < 0.1  # and it is known how well
     rng = np.random.default_rng(0)
     noise = rng.standard_normal(401)
     assert off(bridged(t[some], noise[some])) > 0.3
@@ -44,9 +44,9 @@ def test_missing_samples_cost_no_truth(tmp_path, end, sure):
     """One of two recordings is 2 or 60 samples short; across 60 nobody knows what drove it."""
     record(tmp_path / "a.csv", body(amplitude=5.0, step=0.0025))
     record(tmp_path / "b.csv", body(amplitude=4.0, step=0.0025), seed=1, change=without(120, end))
-    found = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
+    fitted = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
     for name in (F_C, MASS):
-        e = found.estimates[name]
+        e = fitted.estimates[name]
         low, high = e.interval if sure else e.range
         assert low < 1.0 < high
         assert sure == (high < 1.05 * low)
@@ -59,22 +59,22 @@ def test_gaps_near_each_other_are_known_to_be_crossed_worse(between):
     for phase in np.linspace(0.0, 3.0, 5):
         x = np.sin(9 * t + phase) + 0.5 * np.sin(5 * t)
         some = np.r_[0:200, 209 : 209 + between, 216 + between : 401]
-        found = bridged(t[some], x[some])
-        gap = (found.t > t[199] + 1e-9) & (found.t < t[209] - 1e-9)
-        wrong = np.sqrt(np.mean((found.x - np.interp(found.t, t, x))[gap] ** 2))
-        told = np.sqrt(np.mean((found.others[0] - found.x)[gap] ** 2))
-        assert wrong < 3 * told
-        assert told < 0.03  # of a signal of 1
+        result = bridged(t[some], x[some])
+        gap = (result.t > t[199] + 1e-9) & (result.t < t[209] - 1e-9)
+        wrong = np.sqrt(np.mean((result.x - np.interp(result.t, t, x))[gap] ** 2))
+        reported = np.sqrt(np.mean((result.others[0] - result.x)[gap] ** 2))
+        assert wrong < 3 * reported
+        assert reported < 0.03  # of a signal of 1
 
 
 def test_samples_at_random_times_lack_none():
     """Many of their intervals are long, but no even grid holds them."""
     t = np.sort(np.random.default_rng(0).uniform(0.0, 2.0, 400))
     x = np.sin(20 * t)
-    found = bridged(t, x)
-    np.testing.assert_array_equal(found.t, t)
-    np.testing.assert_array_equal(found.x, x)
-    assert not len(found.others)
+    result = bridged(t, x)
+    np.testing.assert_array_equal(result.t, t)
+    np.testing.assert_array_equal(result.x, x)
+    assert not len(result.others)
 
 
 def jumped(table):
@@ -106,7 +106,7 @@ def test_four_samples_of_a_sensor_are_used(tmp_path):
     record(
         tmp_path / "b.csv", body(amplitude=4.0, step=0.0025), change=lambda t: t | {n: f(t[n]) for n, f in few.items()}
     )
-    found = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
+    fitted = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
     for name in (F_C, MASS):
-        low, high = found.estimates[name].range
+        low, high = fitted.estimates[name].range
         assert low < 1.0 < high < 1.05 * low

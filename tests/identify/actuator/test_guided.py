@@ -86,13 +86,13 @@ def test_another_start_is_followed_where_more_than_noise_is_left(recording, monk
 def test_one_start_far_away_suffices(recording):
     truth = {F_C: 1.0, F_S: 1.3, MASS: 1.0}
     sought = tuple(Sought(name, 0.05, 50.0) for name in truth)
-    found = fit_machine(
+    fitted = fit_machine(
         body(t_end=4.0, amplitude=5.0, mass=8.0, F_c=5.0, F_s=6.0),
         Logs((recording,), sought),
         starts=1,
         baselines=False,
     )
     for name, x in truth.items():
-        e = found.estimates[name]
-        assert e.state == "identified", found.notes
+        e = fitted.estimates[name]
+        assert e.state == "identified", fitted.notes
         assert e.low < x < e.high

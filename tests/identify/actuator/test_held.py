@@ -24,14 +24,14 @@ def recorded(path, noise):
 def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path, noise):
     recorded(tmp_path / "run.csv", noise)
     path = logs(tmp_path, [{"file": "run.csv", "inputs": HELD}], WANTED)
-    found = fit_machine(body(mass=1.2), path, starts=1, baselines=False)
+    result = fit_machine(body(mass=1.2), path, starts=1, baselines=False)
     for name in (F_C, MASS):
-        assert found.estimates[name].low < 1.0 < found.estimates[name].high
-    assert not any("between samples (held" in n for n in found.notes), found.notes
-    told = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
-    assert any("inputs held between samples (held = true)" in n for n in told.notes), told.notes
+        assert result.estimates[name].low < 1.0 < result.estimates[name].high
+    assert not any("between samples (held" in n for n in result.notes), result.notes
+    fitted = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    assert any("inputs held between samples (held = true)" in n for n in fitted.notes), fitted.notes
     for name in (F_C, MASS):
-        low, high = told.estimates[name].range
+        low, high = fitted.estimates[name].range
         assert low < 1.0 < high
 
 
@@ -42,8 +42,8 @@ def test_the_last_samples_of_an_uneven_recording_are_compared_at_their_own_times
     rows = rows[rows <= 990]
     uneven = lambda x: {n: column[rows] for n, column in x.items()}  # noqa: E731
     record(tmp_path / "run.csv", body(amplitude=5.0, step=0.001), change=uneven)
-    found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
-    (trace,) = found.logs[0].traces
+    fitted = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    (trace,) = fitted.logs[0].traces
     assert trace.rms < 1.2 * NOISE
-    p = found.estimates[MASS]
+    p = fitted.estimates[MASS]
     assert p.low < 1.0 < p.high

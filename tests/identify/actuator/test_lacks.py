@@ -85,31 +85,31 @@ LACKS = {
 @pytest.mark.parametrize("what", LACKS)
 def test_ranges_hold_where_a_term_lacks(what):
     """White residuals hide the bump and the drag."""
-    found = fitted(LACKS[what])
-    assert not outside(found), {n: (e.value, e.range) for n, e in found.estimates.items()}
+    result = fitted(LACKS[what])
+    assert not outside(result), {n: (e.value, e.range) for n, e in result.estimates.items()}
     if what in ("level by direction", "level by push.f"):
-        assert any(what in note for note in named(found)), found.notes
+        assert any(what in note for note in named(result)), result.notes
 
 
 def test_friction_that_lacks_nothing_is_identified():
-    found = fitted()
-    assert {e.state for e in found.estimates.values()} == {"identified"}
-    assert not outside(found, "interval")
-    assert not named(found)
-    for e in found.estimates.values():
+    result = fitted()
+    assert {e.state for e in result.estimates.values()} == {"identified"}
+    assert not outside(result, "interval")
+    assert not named(result)
+    for e in result.estimates.values():
         assert e.interval[1] - e.interval[0] < 0.05 * e.value
-    levels = {n: e for n, e in found.levels.items() if n != "joint level slow"}
+    levels = {n: e for n, e in result.levels.items() if n != "joint level slow"}
     for name, e in levels.items():
-        v = found.speeds[name]
+        v = result.speeds[name]
         assert e.range[0] < TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v < e.range[1]
-    assert found["F_c"] is found.estimates[f"{LAW}F_c"]
+    assert result["F_c"] is result.estimates[f"{LAW}F_c"]
 
 
 def test_a_sensor_that_errs_is_not_taken_for_friction():
     """An encoder that is 3 ms late."""
-    found = fitted(change=lambda y: np.interp(T - 0.003, T, y))
-    assert any("outputs.arm.y.delay = 0.00" in note for note in named(found))
-    assert not outside(found)
+    result = fitted(change=lambda y: np.interp(T - 0.003, T, y))
+    assert any("outputs.arm.y.delay = 0.00" in note for note in named(result))
+    assert not outside(result)
 
 
 @pytest.mark.share(2)
@@ -121,9 +121,9 @@ def test_a_torque_that_was_sampled_too_coarsely_is_named(every):
         run = recording(pushed(size), turned(pushed(size)), i)
         runs.append(replace(run, inputs={"loads.push.signal": Channel("u", T[::every], pushed(size)[::every])}))
     sought = tuple(Sought(n, x / 5, 5 * x) for n, x in TRUTH.items())
-    found = fit_machine(arm(), Logs(tuple(runs), sought), starts=1, baselines=False)
-    assert any("inputs smooth between samples" in note for note in named(found))
-    assert not outside(found)
+    result = fit_machine(arm(), Logs(tuple(runs), sought), starts=1, baselines=False)
+    assert any("inputs smooth between samples" in note for note in named(result))
+    assert not outside(result)
 
 
 def arms_problem(data=None):
@@ -134,15 +134,15 @@ def arms_problem(data=None):
 
 def slopes(problem):
     """Of all forms, by name and, of forms with several columns, which."""
-    u, found = problem.start(), {}
+    u, result = problem.start(), {}
     for x in missing_forms(problem, u, RunMotion.of(problem, u), {}):
-        found[x.name, sum(x.name == n for n, _ in found)] = x.slopes
-    return found
+        result[x.name, sum(x.name == n for n, _ in result)] = x.slopes
+    return result
 
 
 def test_slopes_of_a_term_are_those_of_scipy():
     """The residuals with a small term, and without, by equations that share nothing with ours."""
-    u, found = pushed(1.0), slopes(arms_problem())
+    u, result = pushed(1.0), slopes(arms_problem())
     plain = turned(u)
     v = np.gradient(plain, T)
     size = np.sqrt(np.mean((TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v) ** 2))  # of the friction
@@ -155,7 +155,7 @@ def test_slopes_of_a_term_are_those_of_scipy():
     for name, (term, force) in along.items():
         share = 1e-3 * size / np.sqrt(np.mean(force**2))
         moved = (turned(u, lambda y, v, push, f=term, a=share: a * f(y, v, push)) - plain) / 1e-3 / NOISE
-        assert np.linalg.norm(found[f"joint: {name}", 0] - moved) < 0.03 * np.linalg.norm(moved), name
+        assert np.linalg.norm(result[f"joint: {name}", 0] - moved) < 0.03 * np.linalg.norm(moved), name
 
 
 def test_a_spring_of_a_contact_is_deflected_by_what_slides_in_it():
@@ -196,8 +196,8 @@ def test_errors_of_a_sensor_act_through_the_guide_too(what, error, white):
     here, there = problem(y), problem(y - small * error(y))
     start = here.start()
     moved = (there.residuals(start[None])[0] - here.residuals(start[None])[0]) / small
-    found = slopes(here)[f"outputs.arm.y.{what}", 0]
-    assert np.linalg.norm(found - moved) < 0.01 * np.linalg.norm(moved)
+    result = slopes(here)[f"outputs.arm.y.{what}", 0]
+    assert np.linalg.norm(result - moved) < 0.01 * np.linalg.norm(moved)
 
 
 @pytest.mark.thorough

@@ -21,21 +21,21 @@ ALL = {n: {"low": x / 5, "high": 5 * x} for n, x in TRUTH.items()} | {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    found = tmp_path_factory.mktemp("recordings")
+    result = tmp_path_factory.mktemp("recordings")
     for i, amplitude in enumerate((3.0, 5.0, 4.0)):
-        record(found / f"run{i}.csv", body(amplitude=amplitude), seed=i)
-    return found
+        record(result / f"run{i}.csv", body(amplitude=amplitude), seed=i)
+    return result
 
 
 def fitted(folder, data, wanted, **more):
     entries = [{"file": f"run{i}.csv", "hold_out": i == 2} for i in range(3)]
     path = logs(folder, entries, wanted)
-    found = fit_machine(data, path, starts=1, baselines=False, **more)
+    result = fit_machine(data, path, starts=1, baselines=False, **more)
     for name, x in TRUTH.items():
-        p = found.estimates[name]
-        assert p.state == "identified", (name, found.notes)
+        p = result.estimates[name]
+        assert p.state == "identified", (name, result.notes)
         assert p.value == pytest.approx(x, rel=2e-3)
-    return found
+    return result
 
 
 @pytest.mark.thorough
@@ -43,9 +43,9 @@ def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
     data = body()
     law = {"name": "coulomb_viscous", "k_v": 1e4, "parameters": {"F_c": 0.2, "sigma_2": 20.0}}
     data["contacts"]["guide"]["law"] = law
-    found = fitted(folder, data, WANTED, laws={"guide": ["lugre_majorant", "stribeck"]})
-    assert found.laws["picked"] == "guide = lugre_majorant"
-    assert found.laws["errors"]["guide = lugre_majorant"] < 0.2 * found.laws["errors"]["guide = stribeck"]
+    result = fitted(folder, data, WANTED, laws={"guide": ["lugre_majorant", "stribeck"]})
+    assert result.laws["picked"] == "guide = lugre_majorant"
+    assert result.laws["errors"]["guide = lugre_majorant"] < 0.2 * result.laws["errors"]["guide = stribeck"]
 
 
 @pytest.mark.thorough
@@ -57,8 +57,8 @@ def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
 def test_a_speed_among_a_laws_constants_bends_its_curve(tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     wanted = WANTED | {f"{LAW}v_s": {"low": 0.002, "high": 0.2}}
-    found = coordinates(Scenario(body()), read_logs(logs(tmp_path, [{"file": "run.csv"}], wanted)))
-    assert [c.name for c in found if c.bends] == [f"{LAW}v_s"]
+    result = coordinates(Scenario(body()), read_logs(logs(tmp_path, [{"file": "run.csv"}], wanted)))
+    assert [c.name for c in result if c.bends] == [f"{LAW}v_s"]
 
 
 @pytest.mark.thorough
@@ -67,11 +67,11 @@ def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     wanted = {F_C: WANTED[F_C], f"{LAW}sigma_0": {"low": 2e3, "high": 2e5}}
     path = logs(tmp_path, ["run.csv"], wanted)
-    found = fit_machine(body(), path, laws={"guide": ["elastoplastic_majorant"]}, starts=1, baselines=False)
-    assert found.laws["failed"] == {}
-    law = found.data["contacts"]["guide"]["law"]
+    result = fit_machine(body(), path, laws={"guide": ["elastoplastic_majorant"]}, starts=1, baselines=False)
+    assert result.laws["failed"] == {}
+    law = result.data["contacts"]["guide"]["law"]
     assert 0 < law["z_ba"] * law["parameters"]["sigma_0"] < law["parameters"]["F_c"]
-    assert found.estimates["contacts.guide.law.z_ba"].unit == "m"
+    assert result.estimates["contacts.guide.law.z_ba"].unit == "m"
 
 
 @pytest.mark.parametrize("level", [0.1, 10.0])

@@ -48,9 +48,9 @@ def test_each_joint_s_friction_is_found(arm):
     assert (model.dof_damping == before).all()
     assert set(joints) == set(TRUTH)
     for name, (damping, loss) in TRUTH.items():
-        found = joints[name].fit(starts=1, baselines=False).estimates
-        assert found["contacts.friction.law.parameters.F_c"].value == pytest.approx(loss, rel=0.05), name
-        assert found["contacts.friction.law.parameters.sigma_2"].value == pytest.approx(damping, rel=0.05), name
+        fitted = joints[name].fit(starts=1, baselines=False).estimates
+        assert fitted["contacts.friction.law.parameters.F_c"].value == pytest.approx(loss, rel=0.05), name
+        assert fitted["contacts.friction.law.parameters.sigma_2"].value == pytest.approx(damping, rel=0.05), name
 
 
 def test_what_is_written_is_what_the_command_reads(arm, tmp_path):
@@ -58,10 +58,10 @@ def test_what_is_written_is_what_the_command_reads(arm, tmp_path):
     short = {name: x[:200] for name, x in table.items()}
     joint = from_mujoco(model, [short, table], hold_out=[0])["elbow"]
     machine, logs = joint.write(tmp_path / "elbow")  # the folder is made
-    found = read_logs(logs)
+    result = read_logs(logs)
     assert Scenario.of(machine).data == joint.machine.data
-    assert [s.path for s in found.sought] == [s.path for s in joint.logs.sought]
-    for one, other in zip(found.recordings, joint.logs.recordings, strict=True):
+    assert [s.path for s in result.sought] == [s.path for s in joint.logs.sought]
+    for one, other in zip(result.recordings, joint.logs.recordings, strict=True):
         assert one.hold_out == other.hold_out
         for path in other.inputs:
             np.testing.assert_array_equal(one.inputs[path].x, other.inputs[path].x)

@@ -278,9 +278,9 @@ def test_a_log_of_bam_has_constants_beside_its_columns(tmp_path):
     (tmp_path / "run.json").write_text(json.dumps({"mass": 1.5, "motor": "xl", "dt": 0.01, "entries": rows}))
     source = opened_log(tmp_path / "run.json", None)
     assert source.constants == {"mass": 1.5, "dt": 0.01}
-    found = source.columns({"time": "t", "position": "position"})
-    np.testing.assert_allclose(found["time"], T, atol=1e-15)
-    assert found["position"].tolist() == ELBOW.tolist()
+    result = source.columns({"time": "t", "position": "position"})
+    np.testing.assert_allclose(result["time"], T, atol=1e-15)
+    assert result["position"].tolist() == ELBOW.tolist()
 
 
 @pytest.mark.parametrize(

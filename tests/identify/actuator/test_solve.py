@@ -49,8 +49,8 @@ def valley(steep):
 
 def test_a_bent_valley_is_followed_in_a_few_steps():
     """Steps of Levenberg and Marquardt alone creep along it, and are not through after 300."""
-    found = search(valley(1e2), steps=5)
-    assert found.u == pytest.approx([1.0, 1.0], abs=1e-3)
+    result = search(valley(1e2), steps=5)
+    assert result.u == pytest.approx([1.0, 1.0], abs=1e-3)
 
 
 def test_the_last_steps_go_to_the_end_of_a_steep_valley():
@@ -65,8 +65,8 @@ def test_where_a_bend_vanishes_its_place_is_tried_anew():
     problem.size = len(t)
     flat = np.array([0.0, -2.0])
     assert np.linalg.norm(problem.residuals(search(problem, flat).u[None])) > 1.0
-    found = search(problem, moved_over(problem, flat))
-    assert found.u == pytest.approx([2.0, 3.0], abs=1e-3)
+    result = search(problem, moved_over(problem, flat))
+    assert result.u == pytest.approx([2.0, 3.0], abs=1e-3)
 
 
 def test_exact_slopes_would_move_no_number():

@@ -16,8 +16,8 @@ SOUGHT = (Sought(F_C, 0.1, 10.0), Sought(MASS, 0.2, 5.0))
 def motion():
     """Columns of a body that is pushed to and fro, and the push."""
     data = body(amplitude=5.0, t_end=1.6)
-    found = solve(data, rtol=1e-9)
-    return {"y": found["a.y"], "v": found["a.v"], "u": np.array(data["loads"]["push"]["signal"]["value"])}
+    solution = solve(data, rtol=1e-9)
+    return {"y": solution["a.y"], "v": solution["a.v"], "u": np.array(data["loads"]["push"]["signal"]["value"])}
 
 
 def recording(motion, rows, column="y", noise=NOISE, **more):
@@ -35,23 +35,23 @@ def test_the_speed_at_the_start_is_found(motion, first, column):
     rows = slice(first, first + 101)
     assert abs(motion["v"][first]) > 0.05
     noise = NOISE if column == "y" else 1e-3
-    found = fit_machine(
+    fitted = fit_machine(
         body(mass=1.2, F_c=0.8, F_s=1.3),
         Logs((recording(motion, rows, column, noise),), SOUGHT),
         starts=2,
         baselines=False,
     )
     for name in (F_C, MASS):
-        p = found.estimates[name]
-        assert p.state == "identified", found.notes
+        p = fitted.estimates[name]
+        assert p.state == "identified", fitted.notes
         assert p.low < 1.0 < p.high
     label = "log.0.initial.a.v"  # its bristles, of which nobody knows, begin unstretched
     deviation = 0.05 * abs(motion["v"][first])
-    assert found.nuisance[label] == pytest.approx(motion["v"][first], abs=deviation)
+    assert fitted.nuisance[label] == pytest.approx(motion["v"][first], abs=deviation)
 
 
 def test_what_is_held_out_begins_in_motion_too(motion):
     whole = recording(motion, slice(0, 101))
     later = recording(motion, slice(52, 153), hold_out=True)
-    found = fit_machine(body(F_s=1.3), Logs((whole, later), SOUGHT), starts=1, baselines=False)
-    assert found.error(held_out=True) < 0.01
+    fitted = fit_machine(body(F_s=1.3), Logs((whole, later), SOUGHT), starts=1, baselines=False)
+    assert fitted.error(held_out=True) < 0.01

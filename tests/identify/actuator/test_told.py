@@ -29,13 +29,13 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     data = body(amplitude=5.0)
     data["output"]["step"] = 0.0099
     record(tmp_path / "run.csv", data, change=drifting)
-    told = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
-    assert any("outputs.a.y.clock = 0.0" in note for note in told.notes), told.notes
+    fitted = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    assert any("outputs.a.y.clock = 0.0" in note for note in fitted.notes), fitted.notes
     clock = {"outputs.a.y.clock": {"low": -0.03, "high": 0.03}}
-    found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED | clock), starts=1, baselines=False)
-    p = found.estimates["outputs.a.y.clock"]
+    result = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED | clock), starts=1, baselines=False)
+    p = result.estimates["outputs.a.y.clock"]
     assert p.low < 0.01 < p.high
-    assert found.estimates[MASS].low < 1.0 < found.estimates[MASS].high
+    assert result.estimates[MASS].low < 1.0 < result.estimates[MASS].high
 
 
 @pytest.mark.thorough
@@ -43,9 +43,9 @@ def test_a_recording_in_other_units_identifies_nothing(tmp_path):
     record(tmp_path / "good.csv", body(amplitude=3.0))
     record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "u": 1e3 * x["u"]})
     path = logs(tmp_path, ["good.csv", "bad.csv"], WANTED)
-    found = fit_machine(body(mass=1.5, F_s=1.3), path, starts=1, baselines=False)
-    assert found.status == "missed"
-    assert not any(e.state == "identified" for e in found.estimates.values())
+    fitted = fit_machine(body(mass=1.5, F_s=1.3), path, starts=1, baselines=False)
+    assert fitted.status == "missed"
+    assert not any(e.state == "identified" for e in fitted.estimates.values())
 
 
 @pytest.mark.share(2)
@@ -55,14 +55,14 @@ def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "y": x["y"] + off})
     start = {"bodies.a.initial.y": 0.0, "bodies.a.initial.v": 0.0}
     path = logs(tmp_path, [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")], WANTED)
-    told = fit_machine(body(), path, starts=1, baselines=False)
-    assert any("log.1.outputs.a.y.offset (bad.csv)" in n for n in told.notes), told.notes
+    fitted = fit_machine(body(), path, starts=1, baselines=False)
+    assert any("log.1.outputs.a.y.offset (bad.csv)" in n for n in fitted.notes), fitted.notes
     entries = [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")]
     offset = {"log.1.outputs.a.y.offset": {"low": -0.1, "high": 0.1}}
-    found = fit_machine(body(), logs(tmp_path, entries, WANTED | offset), starts=1, baselines=False)
-    p = found.estimates["log.1.outputs.a.y.offset"]
+    result = fit_machine(body(), logs(tmp_path, entries, WANTED | offset), starts=1, baselines=False)
+    p = result.estimates["log.1.outputs.a.y.offset"]
     assert p.low < off < p.high
-    assert found.estimates[MASS].low < 1.0 < found.estimates[MASS].high
+    assert result.estimates[MASS].low < 1.0 < result.estimates[MASS].high
 
 
 @pytest.mark.thorough
@@ -72,12 +72,12 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
     record(tmp_path / "noisy.csv", body(amplitude=5.0), change=noisy)
     record(tmp_path / "clean.csv", body(amplitude=5.0))
     wanted = {"bodies.a.mass": {"low": 0.2, "high": 5.0}, F_C: {"low": 0.1, "high": 10.0}}
-    found, clean = (
+    result, clean = (
         fit_machine(body(mass=1.1), logs(tmp_path, [name], wanted), starts=1, baselines=False)
         for name in ("noisy.csv", "clean.csv")
     )
     for name in wanted:
-        p, exact = found.estimates[name], clean.estimates[name]
+        p, exact = result.estimates[name], clean.estimates[name]
         assert p.low < 1.0 < p.high
         assert exact.low < 1.0 < exact.high
         assert p.high - p.low > 5 * (exact.high - exact.low)
@@ -88,11 +88,11 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
 def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise):
     record(tmp_path / "a.csv", body(amplitude=5.0), noise=noise)
     record(tmp_path / "b.csv", body(amplitude=3.0), noise=noise, seed=1)
-    told = fit_machine(body(sigma_2=4.4), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=4, baselines=False)
+    fitted = fit_machine(body(sigma_2=4.4), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=4, baselines=False)
     for name in (F_C, MASS):
-        assert told.estimates[name].range[0] < 1.0 < told.estimates[name].range[1]
+        assert fitted.estimates[name].range[0] < 1.0 < fitted.estimates[name].range[1]
     if noise < 5e-4:  # else it is not seen
-        assert any(re.search(r"sigma_2 = \S+ in place of 4\.4\b", n) for n in told.notes), told.notes
+        assert any(re.search(r"sigma_2 = \S+ in place of 4\.4\b", n) for n in fitted.notes), fitted.notes
 
 
 @pytest.mark.thorough
@@ -103,10 +103,10 @@ def test_a_wrong_constant_that_spoils_another_is_the_one_that_is_named(tmp_path)
     law = "contacts.guide.law.parameters."
     truth = {f"{law}v_s": 0.02, f"{law}F_s": 1.3, F_C: 1.0, MASS: 1.0}
     wanted = {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}
-    told = fit_machine(body(sigma_0=3e4), logs(tmp_path, ["a.csv", "b.csv"], wanted), starts=3, baselines=False)
-    ranges = {n: told.estimates[n].range for n in truth}
+    fitted = fit_machine(body(sigma_0=3e4), logs(tmp_path, ["a.csv", "b.csv"], wanted), starts=3, baselines=False)
+    ranges = {n: fitted.estimates[n].range for n in truth}
     assert all(low < truth[n] < high for n, (low, high) in ranges.items()), ranges
-    assert any(re.search(rf"{re.escape(law)}sigma_0 = \S+ in place of 3e\+04", n) for n in told.notes), told.notes
+    assert any(re.search(rf"{re.escape(law)}sigma_0 = \S+ in place of 3e\+04", n) for n in fitted.notes), fitted.notes
 
 
 @pytest.mark.parametrize(("amplitude", "t_end"), [(1.5, 1.0), (5.0, 0.3)])
@@ -135,8 +135,8 @@ def test_no_recording_is_advised_for_parameters_of_which_only_ratios_matter(tmp_
     truth |= {MASS: 1.0, "loads.push.gain": 1.0}
     record(tmp_path / "a.csv", machine)
     wanted = {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}
-    told = fit_machine(machine, logs(tmp_path, ["a.csv"], wanted), starts=1, baselines=False)
-    for name, e in told.estimates.items():
+    fitted = fit_machine(machine, logs(tmp_path, ["a.csv"], wanted), starts=1, baselines=False)
+    for name, e in fitted.estimates.items():
         assert "confounded with" in e.why, name
         assert e.experiment.startswith("no simulated recording"), name
 
@@ -144,14 +144,14 @@ def test_no_recording_is_advised_for_parameters_of_which_only_ratios_matter(tmp_
 def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     """F_c above the F_s that is fixed: nothing is left that could be compared, which is not little."""
     record(tmp_path / "a.csv", body())
-    told = read_logs(logs(tmp_path, ["a.csv"], {F_C: {"low": 0.1, "high": 10.0}}))
+    reported = read_logs(logs(tmp_path, ["a.csv"], {F_C: {"low": 0.1, "high": 10.0}}))
     scenario = Scenario(body())
-    sought = coordinates(scenario, told)
-    runs, _ = prepared(scenario, [(0, told.recordings[0])], sought)
+    sought = coordinates(scenario, reported)
+    runs, _ = prepared(scenario, [(0, reported.recordings[0])], sought)
     problem = MachineProblem(runs, sought, {"a.y": NOISE})
     good, bad = (np.array([problem.sought[0].inner(x)]) for x in (1.0, 5.0))
     assert not above_noise(problem, good)
-    guides = Guides(scenario, [(0, told.recordings[0])])
+    guides = Guides(scenario, [(0, reported.recordings[0])])
     assert not BestPoint(problem, good, False, [], guides).missed()
     assert above_noise(problem, bad)
     assert BestPoint(problem, bad, False, [], guides).missed() == ["a.y: cannot be simulated with the best values"]
@@ -159,7 +159,7 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
 
 def test_known_masses_may_differ_in_a_recording_that_is_advised():
     scenario = Scenario(body(mass=3.0))
-    told = dict(advise._loads(SimpleNamespace(sought=[]), SimpleNamespace(scenario=scenario)))
-    assert told["with bodies.a.mass = 6 (it is 3)"] == {"bodies.a.mass": 6.0}
+    reported = dict(advise._loads(SimpleNamespace(sought=[]), SimpleNamespace(scenario=scenario)))
+    assert reported["with bodies.a.mass = 6 (it is 3)"] == {"bodies.a.mass": 6.0}
     sought = MachineCoordinate("bodies.a.mass", 1.0, 9.0, targets={"bodies.a.mass": 1.0})
     assert not list(advise._loads(SimpleNamespace(sought=[sought]), SimpleNamespace(scenario=scenario)))

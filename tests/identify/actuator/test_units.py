@@ -37,8 +37,8 @@ def test_a_number_of_the_machine(data, units):
 
 @pytest.mark.parametrize("what", OF_SENSOR)
 def test_a_number_of_a_sensor(what):
-    found = [unit(Scenario(x), coordinate("s", (f"{n}.y", what))) for x, n in ((body(), "a"), (arm(), "arm"))]
-    assert found == list(OF_SENSOR[what])
+    results = [unit(Scenario(x), coordinate("s", (f"{n}.y", what))) for x, n in ((body(), "a"), (arm(), "arm"))]
+    assert results == list(OF_SENSOR[what])
 
 
 def test_an_angle_that_begins_anew_after_each_turn_goes_on(tmp_path):
@@ -49,7 +49,7 @@ def test_an_angle_that_begins_anew_after_each_turn_goes_on(tmp_path):
         csv.writer(file).writerows([("t", "u", "y"), *zip(T, u, np.round(y % 360, 2), strict=True)])
     of = {"file": "run.csv", "outputs": {"arm.y": {"column": "y", "unit": "deg"}}}
     wanted = {name: {"low": x / 5, "high": 5 * x} for name, x in TRUTH.items()}
-    found = fit_machine(arm(), logs(tmp_path, [of], wanted), starts=1, baselines=False)
-    assert found.status == "done", found.reason
-    assert [name for name, p in found.estimates.items() if not p.low < TRUTH[name] < p.high] == []
-    assert any("run.csv: arm.y wraps after each turn" in note for note in found.notes)
+    fitted = fit_machine(arm(), logs(tmp_path, [of], wanted), starts=1, baselines=False)
+    assert fitted.status == "done", fitted.reason
+    assert [name for name, p in fitted.estimates.items() if not p.low < TRUTH[name] < p.high] == []
+    assert any("run.csv: arm.y wraps after each turn" in note for note in fitted.notes)

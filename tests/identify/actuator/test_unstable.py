@@ -56,10 +56,10 @@ def test_a_pendulum_that_is_swung_up_and_balanced_is_fitted_under_a_guide():
     y = y + NOISE * np.random.default_rng(0).standard_normal(len(T))
     channels = {"arm.y": Channel("y", T, y)}, {"loads.motor.signal": Channel("u", T, u, held=True)}
     sought = tuple(Sought(n, x / 5, 5 * x) for n, x in TRUTH.items())
-    found = fit_machine(pendulum(), Logs((Recording("up", T, *channels, {}),), sought), starts=3, baselines=False)
-    assert any(n.startswith("errors grow fast in this motion: a guide draws ") for n in found.notes)
+    fitted = fit_machine(pendulum(), Logs((Recording("up", T, *channels, {}),), sought), starts=3, baselines=False)
+    assert any(n.startswith("errors grow fast in this motion: a guide draws ") for n in fitted.notes)
     for name, truth in TRUTH.items():
-        e = found.estimates[name]
+        e = fitted.estimates[name]
         assert e.state == "identified"
         assert e.range[0] < truth < e.range[1], (name, e)
         half = (e.interval[1] - e.interval[0]) / 2
@@ -97,9 +97,9 @@ def test_an_arm_held_upright_is_fitted_under_a_guide():
     drive = Channel("u", t, torque(t, y, v))
     recording = Recording("upright.csv", t, {"arm.y": measured}, {"loads.push.signal": drive}, {})
     sought = tuple(Sought(name, x / 8, 8 * x) for name, x in truth.items())
-    found = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
+    fitted = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
     for name, x in truth.items():
-        p = found.estimates[name]
+        p = fitted.estimates[name]
         assert p.state == "identified"
         assert p.low < x < p.high
         assert p.high - p.low < 0.12 * x

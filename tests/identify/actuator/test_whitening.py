@@ -50,10 +50,10 @@ def pushed():
     data = body(amplitude=5.0, t_end=8.0, step=STEP)
     t, push = 8.0 * np.arange(4001) / 4000, np.array(data["loads"]["push"]["signal"]["value"])
     noise = np.random.default_rng(5).standard_normal((2, len(t)))
-    found = solve(data, rtol=1e-9)
+    solution = solve(data, rtol=1e-9)
     return Log(
-        time=t, position=found["a.y"] + 1e-6 * noise[0], velocity=found["a.v"],
-        acceleration=np.gradient(found["a.v"], STEP), force=push + 0.15 * noise[1], run=np.zeros(len(t), np.int32),
+        time=t, position=solution["a.y"] + 1e-6 * noise[0], velocity=solution["a.v"],
+        acceleration=np.gradient(solution["a.v"], STEP), force=push + 0.15 * noise[1], run=np.zeros(len(t), np.int32),
         step=STEP,
     )  # fmt: skip
 

@@ -35,18 +35,23 @@ def plain():
 
 
 def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth(plain):
-    found = judged(plain)
+    fitted = judged(plain)
     for name, truth in TRUTH.items():
-        assert inside(found[name], truth, "range"), name
-    assert all(found[n].state is EstimateState.IDENTIFIED for n in ("mass", "F_c", "F_s", "sigma_2", "offset"))
-    assert sum(inside(found[n], x) for n, x in TRUTH.items()) >= len(TRUTH) - 1
+        assert inside(fitted[name], truth, "range"), name
+    assert all(fitted[n].state is EstimateState.IDENTIFIED for n in ("mass", "F_c", "F_s", "sigma_2", "offset"))
+    assert sum(inside(fitted[n], x) for n, x in TRUTH.items()) >= len(TRUTH) - 1
 
 
 def test_an_open_end_is_none_in_json():
     bound = Estimate(1.5, (0.5, np.inf), (0.25, np.inf), EstimateState.AT_LEAST, unit="N", why="no slow rows")
-    told = bound.to_dict()
-    assert (told["interval"], told["range"], told["low"], told["high"]) == ([0.5, None], [0.25, None], 0.5, None)
-    assert (told["state"], told["why"], "experiment" in told) == ("at least", "no slow rows", False)
+    reported = bound.to_dict()
+    assert (reported["interval"], reported["range"], reported["low"], reported["high"]) == (
+        [0.5, None],
+        [0.25, None],
+        0.5,
+        None,
+    )
+    assert (reported["state"], reported["why"], "experiment" in reported) == ("at least", "no slow rows", False)
 
 
 def test_the_range_is_never_narrower_than_the_interval(plain):
@@ -55,39 +60,39 @@ def test_the_range_is_never_narrower_than_the_interval(plain):
 
 
 def test_levels_at_seen_speeds_are_estimates(plain):
-    found, speeds = judged(plain), plain.library.at.speeds
+    result, speeds = judged(plain), plain.library.at.speeds
     for name, v in zip(("level slow", "level middle", "level half", "level fast"), speeds, strict=True):
         truth = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-((v / TRUTH["v_s"]) ** 2)) + TRUTH["sigma_2"] * v
-        assert inside(found[name], truth, "range")
-        assert found[name].state is EstimateState.IDENTIFIED
+        assert inside(result[name], truth, "range")
+        assert result[name].state is EstimateState.IDENTIFIED
 
 
 def test_what_the_law_lacks_is_chosen_from_the_table_of_forms():
     log = record(3, extra=lambda t, y, v, a: 25.0 * y)
     choice = choice_of(log)
     assert "spring" in choice.model[1]
-    found = judged(choice)
-    assert inside(found["F_c"], TRUTH["F_c"], "range")
-    assert inside(found["mass"], TRUTH["mass"], "range")
+    fitted = judged(choice)
+    assert inside(fitted["F_c"], TRUTH["F_c"], "range")
+    assert inside(fitted["mass"], TRUTH["mass"], "range")
 
 
 def test_without_slow_rows_the_static_friction_is_a_lower_bound_that_is_never_below_the_coulomb_level():
     log = record(4)
     log = log.rows(abs(log.velocity) > 0.06)
     log = log.with_columns(run=np.cumsum(np.diff(log.time, prepend=log.time[0]) > 1.5 * log.step).astype(np.int32))
-    found = judged(choice_of(log))
-    f_s, v_s = found["F_s"], found["v_s"]
+    fitted = judged(choice_of(log))
+    f_s, v_s = fitted["F_s"], fitted["v_s"]
     assert f_s.state is EstimateState.AT_LEAST
     assert v_s.state is EstimateState.AT_MOST
-    assert f_s.value >= found["F_c"].value
-    assert f_s.interval[0] >= found["F_c"].interval[0]
+    assert f_s.value >= fitted["F_c"].value
+    assert f_s.interval[0] >= fitted["F_c"].interval[0]
     assert f_s.interval[1] == np.inf
 
 
 def test_a_fit_that_leaves_a_quarter_of_the_force_identifies_nothing():
     log = record(5, noise=4.0)
-    found = judged(choice_of(log))
-    assert not any(e.state is EstimateState.IDENTIFIED for e in found.values())
+    fitted = judged(choice_of(log))
+    assert not any(e.state is EstimateState.IDENTIFIED for e in fitted.values())
 
 
 def test_the_spread_between_files_is_in_the_interval():
@@ -116,9 +121,9 @@ def test_a_curve_is_the_steady_force_of_its_law(name, own, given, size):
     v, shape = np.array([-0.05, -1e-3, 1e-4, 2e-3, 0.03]), {n: values[n] for n in curve.shapes}
     of = values | {"rise": 0.5 * size}
     known = curve.known(v, shape)
-    found = sum(of[n] * x for n, x in curve.columns(v, shape).items()) + (0.0 if known is None else known)
+    result = sum(of[n] * x for n, x in curve.columns(v, shape).items()) + (0.0 if known is None else known)
     steep = {} if "k_v" in own or name == "lugre" else {"k_v": 1e15}  # an exact sign
-    assert found == pytest.approx(find(name)(values | steep).steady_force(v), rel=1e-5)
+    assert result == pytest.approx(find(name)(values | steep).steady_force(v), rel=1e-5)
 
 
 def test_a_law_s_columns_are_of_the_constants_that_its_steady_force_shows_anywhere(tmp_path):
@@ -137,10 +142,10 @@ def test_a_law_s_columns_are_of_the_constants_that_its_steady_force_shows_anywhe
 
 def test_given_constants_are_taken_off_the_force():
     given = {"mass": 2.0, "F_s": 8.0, "sigma_2": 12.0}
-    found = judged(choice_of(record(9), given=given))
-    assert not given.keys() & found.keys()
-    assert inside(found["F_c"], 5.0, "range")
-    assert inside(found["v_s"], 0.05, "range")
+    fitted = judged(choice_of(record(9), given=given))
+    assert not given.keys() & fitted.keys()
+    assert inside(fitted["F_c"], 5.0, "range")
+    assert inside(fitted["v_s"], 0.05, "range")
 
 
 def test_the_law_is_chosen_first():
@@ -202,11 +207,11 @@ def test_a_very_long_record_is_predicted_from_stretches_of_it(plain, monkeypatch
 
 @pytest.mark.parametrize("extra", [lambda t, y, v, a: 0.0, lambda t, y, v, a: 25.0 * y])
 def test_the_prediction_of_another_motion_survives_a_file(extra):
-    made = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))
+    built = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))
     other = record(14, extra=extra, noise=0.0)
-    error = np.linalg.norm(made.force(other) - other.force) / np.linalg.norm(other.force)
+    error = np.linalg.norm(built.force(other) - other.force) / np.linalg.norm(other.force)
     assert error < 0.03
-    assert np.allclose(of_json(made.to_json()).force(other), made.force(other))
+    assert np.allclose(of_json(built.to_json()).force(other), built.force(other))
 
 
 def test_a_form_is_named_in_words():

@@ -40,8 +40,8 @@ def _rows(t=T, x=X, f=F):
 def test_files_that_are_none_are_refused(name, tmp_path):
     if name != "none.csv":
         (tmp_path / name).write_bytes({"e": b"", "z": b"t,x\n1,\0\n"}.get(name[0], b"no such thing" * 50))
-    said = {"e": ".*: is empty", "z": ".*: is not text"}.get(name[0], "")
-    with pytest.raises(InputError, match=f"^data: {said}"):
+    message = {"e": ".*: is empty", "z": ".*: is not text"}.get(name[0], "")
+    with pytest.raises(InputError, match=f"^data: {message}"):
         read(tmp_path / name, ColumnNames(NAMES))
 
 
@@ -58,8 +58,8 @@ def test_damage_is_found_said_and_cut_away():
     c["force"][1500:1700] = c["force"][1500]
     c["force"] = np.clip(c["force"], -3.0, 1e9)
     c["force"][2000:2020] = -3.0
-    found = clean(c, "log")
-    told = "\n".join(found.notes)
+    result = clean(c, "log")
+    reported = "\n".join(result.notes)
     for words in (
         "3 cells are empty",
         "repeat the time",
@@ -67,9 +67,9 @@ def test_damage_is_found_said_and_cut_away():
         "stuck at one value",
         "clipped at its smallest",
     ):
-        assert words in told
-    assert sum(r.stop - r.start for r in found.runs) == 3000 - 3 - 1 - 200 - 20
-    kept = np.concatenate([found.columns["force"][r] for r in found.runs])
+        assert words in reported
+    assert sum(r.stop - r.start for r in result.runs) == 3000 - 3 - 1 - 200 - 20
+    kept = np.concatenate([result.columns["force"][r] for r in result.runs])
     assert np.max(np.diff(np.flatnonzero(np.append(True, np.diff(kept) != 0)))) < 5
 
 
@@ -156,9 +156,9 @@ def test_the_noise_is_that_of_files_that_were_not_resampled_if_there_are_any():
 
     own, other = part(False), part(True)
     for parts, wanted in (([own, other], [own]), ([other], [other]), ([own, own], [own, own])):
-        found = _samples(parts, "position", 1e-3)
+        result = _samples(parts, "position", 1e-3)
         expected = [p.columns["position"][run] for p in wanted for run in p.runs]
-        assert [x.tolist() for x in found] == [x.tolist() for x in expected]
+        assert [x.tolist() for x in result] == [x.tolist() for x in expected]
 
 
 def test_two_clocks_in_a_file_are_noticed(tmp_path):
@@ -280,11 +280,11 @@ def test_a_force_that_a_drifting_clock_holds_is_taken_at_its_own_samples():
         "t": rows, "x": at(rows, 0) + 1e-6 * rng.standard_normal(len(rows)),
         "i": force[np.searchsorted(own, rows, "right") - 1],
     }  # fmt: skip
-    found = fit(data, "coulomb_viscous", columns=NAMES)
+    fitted = fit(data, "coulomb_viscous", columns=NAMES)
     for name, truth in {"F_c": F_c, "sigma_2": sigma_2, "mass": mass}.items():
-        told = (found.estimates | found.body)[name]
-        assert told.low < truth < told.high, (name, told)
-        assert told.high - told.low < 0.02 * truth, (name, told)
+        reported = (fitted.estimates | fitted.body)[name]
+        assert reported.low < truth < reported.high, (name, reported)
+        assert reported.high - reported.low < 0.02 * truth, (name, reported)
 
 
 def test_single_forces_beyond_all_others_are_put_right_and_told():
@@ -310,10 +310,10 @@ def test_single_positions_that_no_body_takes_are_replaced():
     rows = np.array([100, 333, 334, 700, 1500])
     wild = x.copy()
     wild[rows] += [1e-3, 2e-4, -5e-4, 6e-5, -1e-2]
-    found = clean({"time": t, "position": wild, "force": np.sin(t)}, "log.csv")
-    assert np.max(abs(found.columns["position"] - x)) < 6e-6
-    assert any("5 isolated outliers of up to 0.01" in note for note in found.notes)
-    assert np.array_equal(np.delete(found.columns["position"], rows), np.delete(x, rows))
+    result = clean({"time": t, "position": wild, "force": np.sin(t)}, "log.csv")
+    assert np.max(abs(result.columns["position"] - x)) < 6e-6
+    assert any("5 isolated outliers of up to 0.01" in note for note in result.notes)
+    assert np.array_equal(np.delete(result.columns["position"], rows), np.delete(x, rows))
 
 
 @pytest.mark.parametrize(
@@ -328,9 +328,9 @@ def test_single_positions_that_no_body_takes_are_replaced():
 def test_what_a_body_does_is_left_as_it_is(event):
     t, x = _glitchy()
     x = x + event(t)
-    found = clean({"time": t, "position": x.copy(), "force": np.sin(t)}, "log.csv")
-    assert np.array_equal(found.columns["position"], x)
-    assert not any("single rows" in note for note in found.notes)
+    result = clean({"time": t, "position": x.copy(), "force": np.sin(t)}, "log.csv")
+    assert np.array_equal(result.columns["position"], x)
+    assert not any("single rows" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(
@@ -372,9 +372,9 @@ def test_runs_of_which_nothing_is_left_are_told(tmp_path):
     file = tmp_path / "log.csv"
     np.savetxt(file, np.c_[t, y, np.sign(np.cos(2.5 * t)), run], delimiter=",", header="t,y,F,run", comments="")
     columns = ColumnNames({"time": "t", "position": "y", "force": "F", "run": "run"})
-    found = load_log([file], columns, Preparation(cutoff=15.0))
-    assert [line for line in found.quality if line.startswith("20 of 21 runs (2000 rows) were left out")]
-    assert len(set(found.run.tolist())) == 1
+    result = load_log([file], columns, Preparation(cutoff=15.0))
+    assert [line for line in result.quality if line.startswith("20 of 21 runs (2000 rows) were left out")]
+    assert len(set(result.run.tolist())) == 1
 
 
 def test_the_error_of_a_prediction_is_not_that_of_the_filter_s_end():

@@ -30,10 +30,10 @@ def wandering(order, cutoff, rows=1 << 15, noise=1e-3):
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_the_likeliest_order_and_cut_off_are_those_of_the_motion(order):
     measured = wandering(order, 20.0)[1]
-    found = likeliest([measured], STEP)
-    assert found.order == order
-    assert found.cutoff == pytest.approx(20.0, rel=0.1)
-    assert found.noise == pytest.approx(2 * STEP * 1e-6, rel=0.05)
+    result = likeliest([measured], STEP)
+    assert result.order == order
+    assert result.cutoff == pytest.approx(20.0, rel=0.1)
+    assert result.noise == pytest.approx(2 * STEP * 1e-6, rel=0.05)
 
 
 def test_noise_is_at_least_that_of_rounding():
@@ -55,8 +55,8 @@ def test_the_filter_is_the_smoother(order):
     weight = (2 * np.pi * 20.0 * STEP) ** (-2 * order)
     best = np.linalg.solve(np.eye(2000) + weight * differences.T @ differences, measured)
     inside = slice(300, -300)
-    found = low_pass(measured, 20.0, STEP, order)
-    assert np.std((found - best)[inside]) < 0.02 * np.std((measured - best)[inside])
+    result = low_pass(measured, 20.0, STEP, order)
+    assert np.std((result - best)[inside]) < 0.02 * np.std((measured - best)[inside])
 
 
 def stroke(path, speed, seed):
@@ -135,8 +135,8 @@ def test_a_weight_hides_no_rounded_motion(tmp_path):
     fit = stribeck.fit(tmp_path / "1.npz", terms=["gravity_sin"], **NAMES)
     assert fit.body["gravity_sin"].value == pytest.approx(1.3, rel=0.02)
     fit.save(tmp_path / "fit")
-    found = Fit.load(tmp_path / "fit").predict(load_log([tmp_path / "2.npz"], ColumnNames(NAMES)))
-    assert found.force_error < 0.04
+    result = Fit.load(tmp_path / "fit").predict(load_log([tmp_path / "2.npz"], ColumnNames(NAMES)))
+    assert result.force_error < 0.04
 
 
 @pytest.mark.parametrize("seed", [43, 60])

@@ -18,10 +18,10 @@ def measured(position, bandwidth=20.0):
 
 def test_other_motions_have_the_noise_once_more_or_a_lower_cut_off():
     log = measured(lambda y: 0.01 * np.round(y / 0.01))
-    found = other_motions(log)
-    off = np.std(found["noise of the motion"][0].position - log.position)
+    result = other_motions(log)
+    off = np.std(result["noise of the motion"][0].position - log.position)
     assert 0 < off < 0.01 / np.sqrt(12)  # behind the filter
-    assert found["filter of the motion"][0].bandwidth < log.bandwidth
+    assert result["filter of the motion"][0].bandwidth < log.bandwidth
     assert other_motions(log.with_columns(bandwidth=None)) == {}
 
 

@@ -55,8 +55,8 @@ def test_noise_that_a_filter_has_smoothed_is_noise():
     t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 0.02
     rests = t % 4 < 2
     v = np.where(rests, 0.0, np.sin(2 * np.pi * t)) + low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP)
-    told = {"bandwidth": cutoff, "spectrum": (t, t, 2 * STEP * noise**2)}
-    assert np.mean(at_rest(log_of(v, lambda t, y, v, a: np.sign(v), **told)) == rests) > 0.95
+    reported = {"bandwidth": cutoff, "spectrum": (t, t, 2 * STEP * noise**2)}
+    assert np.mean(at_rest(log_of(v, lambda t, y, v, a: np.sign(v), **reported)) == rests) > 0.95
 
 
 def from_rest_to_rest(files, seconds=6.0, seed=0):
@@ -81,9 +81,9 @@ def from_rest_to_rest(files, seconds=6.0, seed=0):
 def test_rest_up_to_the_end_of_a_run_is_found():
     """Whatever is left behind the last whole look, and at either end of a rest."""
     log, rests = from_rest_to_rest(4)
-    found = at_rest(log)
-    assert np.mean(found[rests]) > 0.99
-    assert np.mean(found[~rests]) < 0.005
+    result = at_rest(log)
+    assert np.mean(result[rests]) > 0.99
+    assert np.mean(result[~rests]) < 0.005
 
 
 def test_a_rest_of_which_little_is_left_at_an_edge_is_found():

@@ -67,13 +67,13 @@ def test_a_random_record_is_fitted_or_refused_in_words(seed):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            found = stribeck.fit(columns, law, time="t", velocity="v", force="F")
+            result = stribeck.fit(columns, law, time="t", velocity="v", force="F")
         except InputError as error:
-            found = str(error)
-    if isinstance(found, str):
-        assert "must be at least F_c" not in found  # nobody has given F_s
+            result = str(error)
+    if isinstance(result, str):
+        assert "must be at least F_c" not in result  # nobody has given F_s
     else:
-        check(found)
+        check(result)
 
 
 @pytest.mark.share(2)

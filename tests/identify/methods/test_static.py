@@ -24,8 +24,8 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
     assert fit["F_c"].interval[0] <= TRUTH["F_c"] <= fit["F_c"].interval[1]
     assert set(fit.parameters) >= {"F_c", "F_s", "v_s", "sigma_2", "mass", "offset", "level slow", "level fast"}
     assert fit.law().values["F_s"] == pytest.approx(TRUTH["F_s"], rel=0.05)
-    told = fit.to_dict()["parameters"]["F_c"]
-    assert told.keys() >= {"value", "low", "high", "unit", "identifiable", "estimate", "interval", "range", "state"}
+    reported = fit.to_dict()["parameters"]["F_c"]
+    assert reported.keys() >= {"value", "low", "high", "unit", "identifiable", "estimate", "interval", "range", "state"}
     assert [c["law"] for c in fit.candidates if c["chosen"]] == ["stribeck"]
     assert json.loads(json.dumps(fit.to_dict()))["levels"].keys() == fit.levels.keys()
     with pytest.raises(KeyError, match="no such parameter"):
@@ -36,10 +36,10 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
-    from stribeck.identify import said
+    from stribeck.identify import text
 
     fit = stribeck.fit(record(1), "coulomb_viscous")
-    monkeypatch.setattr(said, "_model", lambda fit: {}["time"])
+    monkeypatch.setattr(text, "_model", lambda fit: {}["time"])
     with pytest.warns(Warning, match="could not be drawn"):
         assert fit.save(tmp_path) == ["parameters.toml", "fit.json"]
     assert stribeck.Fit.load(tmp_path).predict(record(2)).force_error < 0.2
@@ -52,9 +52,9 @@ def test_a_level_by_direction_over_several_files_has_a_page(tmp_path):
 
 
 def test_levels_are_estimated_at_speeds_that_the_user_names():
-    found = stribeck.fit(record(2), "stribeck", speeds=[0.1])["level at 0.1"]
+    fitted = stribeck.fit(record(2), "stribeck", speeds=[0.1])["level at 0.1"]
     truth = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-4.0) + TRUTH["sigma_2"] * 0.1
-    assert found.range[0] <= truth <= found.range[1]
+    assert fitted.range[0] <= truth <= fitted.range[1]
 
 
 def test_a_measured_column_that_changes_with_the_motion_alone_leaves_nothing_identified():
@@ -64,9 +64,9 @@ def test_a_measured_column_that_changes_with_the_motion_alone_leaves_nothing_ide
     fit = stribeck.fit(log, "stribeck")
     assert not any(e.state is EstimateState.IDENTIFIED for e in fit.parameters.values())
     assert any("pressure was not used" in note for note in fit.notes)
-    told = stribeck.fit(log, "stribeck", constants={"area": 5e-5})
-    assert told["F_c"].interval[0] <= TRUTH["F_c"] <= told["F_c"].interval[1]
-    assert told["F_c"].state is EstimateState.IDENTIFIED
+    fitted = stribeck.fit(log, "stribeck", constants={"area": 5e-5})
+    assert fitted["F_c"].interval[0] <= TRUTH["F_c"] <= fitted["F_c"].interval[1]
+    assert fitted["F_c"].state is EstimateState.IDENTIFIED
 
 
 def test_a_measured_column_of_several_levels_finds_its_own_coefficient():
@@ -157,9 +157,9 @@ def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monk
         return SimpleNamespace(stopped=False, error=error, rough=rough)
 
     monkeypatch.setattr(bristles, "simulated", simulated)
-    found = bristles._simulated(None, "lugre", None, 0.1, None)
+    result = bristles._simulated(None, "lugre", None, 0.1, None)
     assert asked == looks
-    assert found.rough is looks[-1]
+    assert result.rough is looks[-1]
 
 
 @pytest.mark.thorough
@@ -192,5 +192,5 @@ def test_a_filtered_start_from_rest_does_not_bias_the_prediction():
     v = np.where(t // 0.75 % 4 < 1, 0.0, np.sin(7 * t) + 0.6 * np.sin(3 * t + 1))
     force = 2.0 * np.gradient(v, 2e-3) + 8.0 * np.tanh(v / 0.03) + 4.0 * v + 0.05 * draw.standard_normal(len(t))
     table = {"t": t, "v": v + 1e-3 * draw.standard_normal(len(t)), "F": force}
-    found = stribeck.fit(table, "stribeck_tanh", time="t", velocity="v", force="F")
-    assert found.predictor.body["mass"] == pytest.approx(2.0, rel=0.05)
+    fitted = stribeck.fit(table, "stribeck_tanh", time="t", velocity="v", force="F")
+    assert fitted.predictor.body["mass"] == pytest.approx(2.0, rel=0.05)

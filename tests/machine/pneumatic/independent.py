@@ -125,13 +125,13 @@ def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, sta
         return (*plant(x[:5], angle), dzh), {**out, "u": tan(angle) / 2, "F": F, "V": V}
 
     t = np.linspace(0, t_end, rows)
-    found = solve_ivp(
+    solution = solve_ivp(
         lambda t, x: evaluate(t, x)[0], (0, t_end), (*start, 0.0, 0.0), method="LSODA", t_eval=t, rtol=1e-9,
         atol=[1e-11, 1e-10, 1e-4, 1e-4, 1e-12, 1e-12], max_step=0.02,
     )  # fmt: skip
-    assert found.success, found.message
-    table = dict(zip(("y", "v", "p_1", "p_2", "z", "z_hat"), found.y, strict=True))
-    extra = [evaluate(*each)[1] for each in zip(t, found.y.T, strict=True)]
+    assert solution.success, solution.message
+    table = dict(zip(("y", "v", "p_1", "p_2", "z", "z_hat"), solution.y, strict=True))
+    extra = [evaluate(*each)[1] for each in zip(t, solution.y.T, strict=True)]
     return {"t": t, **table, **{n: np.array([row[n] for row in extra]) for n in extra[0]}}
 
 
@@ -155,9 +155,9 @@ def sampled(law, observer, path, t_end, period, delay, noise, count, bandwidth, 
         t, until = k * period, (k + 1) * period
         for at in (waiting[0][0], until):
             if at > t:
-                found = solve_ivp(lambda _, x: plant(x, angle), (t, at), x, method="LSODA", rtol=1e-9,  # noqa: B023
+                solution = solve_ivp(lambda _, x: plant(x, angle), (t, at), x, method="LSODA", rtol=1e-9,  # noqa: B023
                                   atol=[1e-12, 1e-11, 1e-4, 1e-4, 1e-13])  # fmt: skip
-                x, t = found.y[:, -1], at
+                x, t = solution.y[:, -1], at
             if at < until:
                 angle = waiting.pop(0)[1]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

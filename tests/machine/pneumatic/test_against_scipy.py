@@ -99,6 +99,6 @@ TABLE = [
 def test_the_table_of_the_theory(law, observer, k_v, error, rises):
     plant = {"name": law} if law == "lugre" else smooth(law)
     solution = solved(plant, smooth(observer, k_v) if observer else {"name": "none"})
-    found = last(solution)
-    assert found <= error if error < 1e-9 else found == pytest.approx(error, rel=0.02)
+    result = last(solution)
+    assert result <= error if error < 1e-9 else result == pytest.approx(error, rel=0.02)
     assert bool(np.any(np.diff(solution["V"]) > 1e-9 * solution["V"][0])) == rises

@@ -61,19 +61,19 @@ def test_the_derivative_of_the_adaptive_loop(monkeypatch):
         def dz_dt(p, v, z):
             return drive - w_n * z
 
-    found = observer.adapt(Linear, known, gains, K, v, s, x)
+    result = observer.adapt(Linear, known, gains, K, v, s, x)
     z_rate = drive - true_g * w_n * z
     F = true["sigma_0"] * z + true["sigma_1"] * z_rate + true["sigma_2"] * v
     kappa, off_g = K * known.sigma_0, x["a_g"] - true_g
     delta = x["z_hat"] - z - x["eta"] * off_g
-    rates = {**{x[n]: rate for n, rate in found.rates.items()}, z: z_rate}
+    rates = {**{x[n]: rate for n, rate in result.rates.items()}, z: z_rate}
     delta_rate = sum(sympy.diff(delta, of) * rate for of, rate in rates.items())
-    dV = s * (-K_D * s + A_p_err + found.F - F) - s * A_p_err + true["sigma_0"] / kappa * delta * delta_rate
+    dV = s * (-K_D * s + A_p_err + result.F - F) - s * A_p_err + true["sigma_0"] / kappa * delta * delta_rate
     for i in range(3):
         off = x[f"a_{i}"] - true[f"sigma_{i}"] / getattr(known, f"sigma_{i}")
-        dV += off * found.rates[f"a_{i}"] / getattr(gains, f"gamma_{i}")
-    dV += off_g * found.rates["a_g"] / gains.gamma_g
-    w, eta, eta_rate = true_g * w_n, x["eta"], found.rates["eta"]
+        dV += off * result.rates[f"a_{i}"] / getattr(gains, f"gamma_{i}")
+    dV += off_g * result.rates["a_g"] / gains.gamma_g
+    w, eta, eta_rate = true_g * w_n, x["eta"], result.rates["eta"]
     form = (
         (K_D + kappa * true["sigma_1"]) * s**2
         + true["sigma_0"] / kappa * w * delta**2
@@ -180,12 +180,12 @@ def test_the_proof_agrees_with_eigenvalues():
 
 def test_V_along_a_run():
     solution = solved()
-    found = along(solution)
-    assert not found.rises.any()
-    assert found.saturated[0]
+    result = along(solution)
+    assert not result.rises.any()
+    assert result.saturated[0]
     # outside saturation dV/dt is the bound itself
-    free = ~found.saturated
-    assert np.max(np.abs(found.dV_dt - found.bound)[free]) <= 1e-6 * np.max(np.abs(found.dV_dt))
+    free = ~result.saturated
+    assert np.max(np.abs(result.dV_dt - result.bound)[free]) <= 1e-6 * np.max(np.abs(result.dV_dt))
     # and it is the slope of V: Simpson's rule over the first moves
     fine = along(solved(solve__t_end=0.4, output__step=1e-4))
     rise = np.convolve(fine.dV_dt, [1, 4, 1], "valid")[600::2] * 1e-4 / 3
@@ -207,10 +207,10 @@ def test_what_the_solver_leaves_is_no_rise():
 
 
 def test_V_rises_where_laws_differ():
-    found = along(solved({"name": "lugre"}, {"name": "lugre_sobczyk", "k_v": 1e4}))
-    assert found.rises.sum() > 100
-    assert found.excess.sum() > 10
-    summary = found.summary()
+    result = along(solved({"name": "lugre"}, {"name": "lugre_sobczyk", "k_v": 1e4}))
+    assert result.rises.sum() > 100
+    assert result.excess.sum() > 10
+    summary = result.summary()
     assert summary["rise_times"]
     assert summary["largest_rise"] > 1e-7
 
@@ -238,9 +238,9 @@ def test_damping_that_falls_with_speed():
     solution = solved(
         {"name": "lugre_sobczyk", "k_v": 1e6, "v_d": 0.05}, {"name": "lugre_sobczyk", "k_v": 1e6, "v_d": 0.05}
     )
-    found = along(solution)
-    assert np.max(np.abs(found.dV_dt - found.bound)[~found.saturated]) <= 1e-6 * np.max(np.abs(found.dV_dt))
-    assert not found.rises.any()
+    result = along(solution)
+    assert np.max(np.abs(result.dV_dt - result.bound)[~result.saturated]) <= 1e-6 * np.max(np.abs(result.dV_dt))
+    assert not result.rises.any()
     law = stribeck.law("lugre_sobczyk", **TABLE_1, v_d=0.1)
     verdict = gain_verdict(law, {"K_D": 1.0, "K": 1e-6}, 0.1)
     assert verdict.exact.least_K_D == pytest.approx(218, abs=1)

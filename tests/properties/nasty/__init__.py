@@ -68,18 +68,18 @@ def cases() -> Iterator[Case]:
 def parsed(truth: str) -> dict[str, bool | None]:
     """The truth of each property from a class's ``truth``."""
     values = {"-": False, "?": None}
-    found = {word.lstrip("-?"): values.get(word[0], True) for word in truth.split()}
-    assert tuple(found) == PROPERTIES, truth
-    return found
+    result = {word.lstrip("-?"): values.get(word[0], True) for word in truth.split()}
+    assert tuple(result) == PROPERTIES, truth
+    return result
 
 
 def _stated(node: ast.stmt) -> dict[str, Any]:
     """What a class says of itself, or a decorator of base.py of the law that it makes; {} where there is no ``truth``."""
-    found: dict[str | None, ast.expr] = {}
+    result: dict[str | None, ast.expr] = {}
     match node:
         case ast.ClassDef():
             lines = [n for n in node.body if isinstance(n, ast.Assign)]
-            found = {n.targets[0].id: n.value for n in lines if isinstance(n.targets[0], ast.Name)}
+            result = {n.targets[0].id: n.value for n in lines if isinstance(n.targets[0], ast.Name)}
         case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id="added" | "rate" | "friction")) as call]):
-            found = {"truth": call.args[0], **{word.arg: word.value for word in call.keywords}}
-    return {n: ast.literal_eval(found[n]) for n in ("truth", "natural") if "truth" in found and n in found}
+            result = {"truth": call.args[0], **{word.arg: word.value for word in call.keywords}}
+    return {n: ast.literal_eval(result[n]) for n in ("truth", "natural") if "truth" in result and n in result}

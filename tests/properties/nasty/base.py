@@ -52,12 +52,12 @@ def _of_one(method: str, own_base: type[BristleLaw]) -> Callable[..., Any]:
     """A decorator that makes a law of the function that gives its ``method``; the docstring derives the ``truth``."""
 
     def of(truth: str, base: type[BristleLaw] = own_base, **attributes: Any) -> Callable[..., type[BristleLaw]]:
-        def made(equation: Callable[..., Any]) -> type[BristleLaw]:
+        def built(equation: Callable[..., Any]) -> type[BristleLaw]:
             given = {"truth": truth, method: staticmethod(equation), **attributes}
             own = {"__doc__": equation.__doc__, "__module__": equation.__module__}
             return type(base)(equation.__name__, (base,), own | given)
 
-        return made
+        return built
 
     return of
 

@@ -39,10 +39,10 @@ def only(advices, name):
 @pytest.mark.parametrize(("speed", "k_v"), [(12.7e-6, 1e6), (1.27e-6, 1e7), (0.127e-6, 1e8)])
 def test_creep_numbers_of_the_theory(speed, k_v):
     advices = advise("lugre_sobczyk", "canudas1995", creep=speed)
-    found = only(advices, "lugre_sobczyk")
-    assert found.k_v == pytest.approx(k_v, rel=0.005)
-    assert found.method == "formula"
-    assert found.achieved == pytest.approx(speed, rel=1e-9)
+    result = only(advices, "lugre_sobczyk")
+    assert result.k_v == pytest.approx(k_v, rel=0.005)
+    assert result.method == "formula"
+    assert result.achieved == pytest.approx(speed, rel=1e-9)
     other = only(advices, "lugre_majorant")
     assert other.k_v == pytest.approx(1.47 / speed, rel=0.005)
     assert other.method == "root of the law's steady state"
@@ -58,23 +58,23 @@ def test_creep_against_equations_written_anew(speed, share):
         "compact": brentq(lambda x: 8 * x - q * (3 + 6 * x**2 - x**4), 0, 1, xtol=1e-14),
     }
     for smooth_abs, x in expected.items():
-        found = only(
+        result = only(
             advise("lugre_majorant", "canudas1995", creep=speed, share=share, smooth_abs=smooth_abs), "lugre_majorant"
         )
-        assert found.k_v == pytest.approx(x / speed, rel=1e-9)
-        assert found.method == ("formula" if smooth_abs == "sqrt" else "root of the law's steady state")
-    found = only(advise("lugre_sobczyk", "canudas1995", creep=speed, share=share), "lugre_sobczyk")
-    assert found.k_v == pytest.approx(tan(pi * q / 2) / speed, rel=1e-9)
+        assert result.k_v == pytest.approx(x / speed, rel=1e-9)
+        assert result.method == ("formula" if smooth_abs == "sqrt" else "root of the law's steady state")
+    result = only(advise("lugre_sobczyk", "canudas1995", creep=speed, share=share), "lugre_sobczyk")
+    assert result.k_v == pytest.approx(tan(pi * q / 2) / speed, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["lugre_sobczyk", "lugre_majorant", "elastoplastic_majorant", "elastoplastic_sobczyk"])
 def test_the_simulated_body_creeps_at_the_tolerated_speed(name):
     own = {"z_ba": 7e-6} if name.startswith("elastoplastic") else {}
-    found = only(advise(name, "canudas1995", creep=2e-6, share=0.8, **own), name)
+    result = only(advise(name, "canudas1995", creep=2e-6, share=0.8, **own), name)
     held = {"kind": "points", "t": [0, 5], "value": [0, 0.8 * FS]}
-    solution = simulate(Scenario(rig(law_table(name, k_v=found.k_v, **own), "force", held, 200.0)))
+    solution = simulate(Scenario(rig(law_table(name, k_v=result.k_v, **own), "force", held, 200.0)))
     assert solution["v"][-1] == pytest.approx(2e-6, rel=1e-3)
-    assert found.achieved == pytest.approx(2e-6, rel=1e-6)
+    assert result.achieved == pytest.approx(2e-6, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["lugre_sobczyk", "lugre_arctan", "lugre_majorant"])
@@ -116,10 +116,10 @@ def test_steady_error(speed, error):
 
     needed = {}
     for name in ("lugre_sobczyk", "lugre_arctan", "lugre_majorant"):
-        found = advise(name, "canudas1995", steady_error=error, speed=speed)[name].requirements[0]
-        assert abs(forces(name, found.k_v) / force - 1) == pytest.approx(error, rel=1e-6)
-        assert found.achieved == pytest.approx(error, rel=1e-6)
-        needed[name] = found.k_v
+        result = advise(name, "canudas1995", steady_error=error, speed=speed)[name].requirements[0]
+        assert abs(forces(name, result.k_v) / force - 1) == pytest.approx(error, rel=1e-6)
+        assert result.achieved == pytest.approx(error, rel=1e-6)
+        needed[name] = result.k_v
     assert needed["lugre_majorant"] < needed["lugre_sobczyk"]
 
 
@@ -153,11 +153,11 @@ def test_every_law_and_machine(name, set_name):
     p = parameters()[set_name].values
     own = {"z_ba": 0.7 * p["F_c"] / p["sigma_0"]} if name.startswith("elastoplastic") else {}
     advices = advise(name, set_name, creep=1e-3 * p["v_s"], steady_error=1e-3, speed=p["v_s"], **own)
-    for found, each in advices.items():
+    for result, each in advices.items():
         assert each.k_v > 0
         for requirement in each.requirements:
             if requirement.k_v:
-                assert requirement.achieved == pytest.approx(requirement.tolerance, rel=1e-4), (found, requirement)
-        model = law(found, set_name, k_v=each.k_v, **own)
+                assert requirement.achieved == pytest.approx(requirement.tolerance, rel=1e-4), (result, requirement)
+        model = law(result, set_name, k_v=each.k_v, **own)
         assert each.cost.stiffness >= 0.999 * abs(model.jacobian(100 * p["v_s"], p["F_s"] / p["sigma_0"])[1])
     json.dumps([each.to_dict() for each in advices.values()], allow_nan=False)
