@@ -32,7 +32,7 @@ from tests.reference.apart import solve  # noqa: E402
 
 AWAY = 0.05
 POINTS = 10  # of each machine
-CHUNK = 25  # slowest time constants between two looks of the judgement apart
+CHUNK = 25  # slowest time constants between two looks of the judgment apart
 ROWS = 250  # of a chunk
 REST = 1e-6  # of its travel, or of the file's move: rest of a body without an encoder
 LONGEST = 40_000  # slowest time constants that are simulated at most
@@ -202,7 +202,7 @@ def same(expected: str, found: str, strict: bool) -> bool:
 
 
 class Asked(NamedTuple):
-    """A judgement that is checked: where it stands, of what machine and start, its word, and whether hunting and unstable
+    """A judgment that is checked: where it stands, of what machine and start, its word, and whether hunting and unstable
     count as different."""
 
     at: str
@@ -220,7 +220,7 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
     for i in random.choice(len(result.starts), 3, replace=False):
         begun = result.starts[i]
         at = f"start {begun.off:.3g} {begun.speed:.3g}"
-        asked.append(Asked(at, data, begun.judgement.verdict, (rest + begun.off, begun.speed)))
+        asked.append(Asked(at, data, begun.judgment.verdict, (rest + begun.off, begun.speed)))
     sides = [(b, 1 - AWAY, b.below) for b in line.boundaries] + [(b, 1 + AWAY, b.above) for b in line.boundaries]
     for b, share, text in sides[: POINTS - len(asked)]:
         x = share * b.value
@@ -230,7 +230,7 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
     clear = [i for i, x in enumerate(line.values) if not any(m.low <= x <= m.high for m in line.mixed)]
     for i in random.permutation(clear)[: POINTS - len(asked)]:
         x, path = float(line.values[i]), line.turned.path
-        asked.append(Asked(f"{path} = {x:.6g}", changed(data, path, x), line.judgements[i].verdict))
+        asked.append(Asked(f"{path} = {x:.6g}", changed(data, path, x), line.judgments[i].verdict))
     rows = []
     for each in asked:
         begun_at, slowest = time.process_time(), loop_of(stribeck.Scenario(each.data)).slowest
@@ -246,7 +246,7 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
 
 
 def by_chance(each: Asked, got: str, moved: float) -> bool:
-    """Whether an irregular cycle came to rest in the end, and the judgement says that it may.
+    """Whether an irregular cycle came to rest in the end, and the judgment says that it may.
 
     Behind an encoder, such a cycle rests where a swing happens to end within friction's reach: a gain that differs by 1e-9
     moves that by hundreds of seconds, so that no simulation can tell when.

@@ -2,7 +2,7 @@
 
 The error at a single tolerance is a matter of luck: a change of rtol in its last digit can double it. So each solver's
 tolerance comes from a scan: it is the loosest rtol at which, and at all tighter ones of the scan, the typical error
-(the median of neighbouring tolerances) of y is at most 1e-6 of its range. Among several ratios atol/rtol the fastest is
+(the median of neighboring tolerances) of y is at most 1e-6 of its range. Among several ratios atol/rtol the fastest is
 taken. Quick solvers are scanned in every run. The scan of the slow ones takes minutes (--scan): what it finds is kept
 in tolerances.json, and a run checks that it still gives the error.
 
@@ -31,7 +31,7 @@ LIMIT = 1e-6  # of the range of y
 REFERENCE_RTOL = 1e-12
 CHECK_RTOL = 1e-10
 TIGHTEST = -11  # log10 of the rtol at which a scan gives up
-# points of a scan for each decade of rtol, and how many neighbours on each side share in the typical error
+# points of a scan for each decade of rtol, and how many neighbors on each side share in the typical error
 COARSE, FINE = (8, 1), (40, 5)
 QUICK = 0.02  # s: solvers faster than this are scanned finely, and in every run
 TRUSTED = (LIMIT / 3, 1.5 * LIMIT)  # typical errors between which kept tolerances are used again

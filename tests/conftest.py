@@ -61,7 +61,7 @@ def pytest_runtest_protocol(item, nextitem):
 
 
 def _quick_compiler(config, options):
-    """A script that calls the C compiler with less optimisation; None where there is none, or another was asked for."""
+    """A script that calls the C compiler with less optimization; None where there is none, or another was asked for."""
     path = shutil.which("cc") or shutil.which("gcc")
     chosen = os.environ.get("STRIBECK_CC") or os.environ.get("CC")
     if chosen or path is None or os.name != "posix" or config.option.markexpr == "thorough":
@@ -78,7 +78,7 @@ def _quick_compiler(config, options):
 
 @pytest.fixture
 def each_system_is_run_once(monkeypatch):
-    """Many systems of their own, each run once: not worth optimising."""
+    """Many systems of their own, each run once: not worth optimizing."""
     monkeypatch.setattr("stribeck.simulation.compiler._FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))
 
 

@@ -54,7 +54,7 @@ def test_results_say_when_and_where(name):
 
 
 def test_a_benchmark_s_own_imports_exist():
-    """One imported a neighbour by a name that it no longer had."""
+    """One imported a neighbor by a name that it no longer had."""
     here = {path.stem for path in FOLDER.glob("*.py")}
     bare = {
         (path.name, n.module)

@@ -113,8 +113,8 @@ def majorants(d: Any) -> Rows:
     ]
 
 
-def discretisation(d: Any) -> Rows:
-    """The table of discretisation.json."""
+def discretization(d: Any) -> Rows:
+    """The table of discretization.json."""
     return ["law", "way", "step (ms)", "error of y (mm)", "energy lost (share)", "drift (mm)"], [
         [
             r["law"], r["way"], 1e3 * r["step"], 1e3 * r["stick_slip_max_error"], float(r["energy_lost"]),
@@ -217,7 +217,7 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "single": single, "ensemble": ensemble, "machines": machines, "chains": chains, "startup": startup,
     "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "promise": promise,
     "majorants": majorants,
-    "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
+    "discretization": discretization, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
     "controller_instructions": controller_instructions, "learning": learning, "learning_gpu": learning_gpu,
     "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
     "fit_speed": fit_speed,

@@ -22,7 +22,7 @@ from stribeck.laws import find
 plt.rcParams.update(
     {"svg.hashsalt": "stribeck", "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False}
 )
-BLUE, RED, GREY = "#3572b0", "#c4412f", "#999999"
+BLUE, RED, GRAY = "#3572b0", "#c4412f", "#999999"
 PAPER = "canudas1995"  # the parameters of the paper's Table 1
 WIDTH = 5.2  # inches: a phone, 358 px wide, then shows text of 10 points as 9.5 px
 
@@ -48,7 +48,7 @@ def draw_hunts(file: Path) -> None:
             solution = stribeck.simulate(example("axis_hunts", Path(folder), controllers__axis__K_i=gain))
             shown = solution.t < 10
             plot.plot(solution.t[shown][::5], 1e3 * solution["slide.y"][shown][::5], color=color, label=words, lw=1)
-    plot.axhline(10, color=GREY, lw=0.8, ls="--", label="target")
+    plot.axhline(10, color=GRAY, lw=0.8, ls="--", label="target")
     plot.set(xlabel="time (s)", ylabel="position (mm)", ylim=(8, 12))
     figure.legend(frameon=False, loc="outside upper center", ncols=2)
     saved(figure, file)
@@ -61,7 +61,7 @@ def draw_windup(file: Path) -> None:
     shown = (solution.t > 4) & (solution.t < 6)
     figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
     above.plot(solution.t[shown], 1e3 * solution["slide.y"][shown], color=RED, lw=1)
-    above.axhline(10, color=GREY, lw=0.8, ls="--")
+    above.axhline(10, color=GRAY, lw=0.8, ls="--")
     above.set_ylabel("slide.y (mm)")
     below.plot(solution.t[shown], solution["axis.u"][shown], color=BLUE, lw=1)
     below.set(xlabel="time (s)", ylabel="axis.u (N)")
@@ -75,7 +75,7 @@ def draw_two_laws(file: Path) -> None:
             stribeck.simulate(example("stick_slip", Path(folder), law__name=law)) for law in ("lugre", "lugre_sobczyk")
         )
     figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
-    for solution, color, dashes, law in ((first, GREY, "-", "lugre"), (second, BLUE, "--", "lugre_sobczyk")):
+    for solution, color, dashes, law in ((first, GRAY, "-", "lugre"), (second, BLUE, "--", "lugre_sobczyk")):
         above.plot(solution.t[::4], solution["F"][::4], dashes, color=color, lw=1.2, label=law)
     above.set_ylabel("F (N)")
     above.legend(frameon=False)
@@ -100,9 +100,9 @@ def draw_joint(file: Path) -> None:
         }
         solution = stribeck.simulate(stribeck.load(folder / "fit" / "machine.toml", changes))
     figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
-    above.plot(measured["t"][::4], measured["torque"][::4], color=GREY, lw=1)
+    above.plot(measured["t"][::4], measured["torque"][::4], color=GRAY, lw=1)
     above.set_ylabel("torque (N m)")
-    below.plot(measured["t"][::24], measured["angle"][::24], ".", ms=5, color=GREY, label="held-out recording")
+    below.plot(measured["t"][::24], measured["angle"][::24], ".", ms=5, color=GRAY, label="held-out recording")
     below.plot(solution.t, solution["joint.y"], color=BLUE, lw=1, label="fitted machine")
     below.set(xlabel="time (s)", ylabel="angle (rad)")
     figure.legend(frameon=False, loc="outside upper center", ncols=2)
@@ -121,7 +121,7 @@ def draw_kv(file: Path) -> None:
             over = np.flatnonzero(law.steady_force(speeds) >= 0.95 * law.values["F_s"])
             creep.append(1e6 * speeds[over[0]] if len(over) else np.nan)  # nan: it breaks away
         plot.loglog(steepness, creep, "o-", ms=3, color=color, label=name)
-    plot.axhline(1, color=GREY, lw=0.8, ls="--", label="tolerance of the example")
+    plot.axhline(1, color=GRAY, lw=0.8, ls="--", label="tolerance of the example")
     plot.set(xlabel="k_v (s/m)", ylabel="creep under 0.95 F_s (\N{MICRO SIGN}m/s)")
     plot.legend(frameon=False)
     saved(figure, file)
@@ -208,7 +208,7 @@ def draw_own_law(file: Path) -> None:
     figure, plot = plt.subplots(figsize=(WIDTH, 2.8), layout="constrained")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "mylaw.py").write_text(OWN_LAW, encoding="utf-8")
-        for name, constants, color in (("lugre", {}, GREY), (f"{folder}/mylaw.py:RootLuGre", {"k_v": 1e4}, BLUE)):
+        for name, constants, color in (("lugre", {}, GRAY), (f"{folder}/mylaw.py:RootLuGre", {"k_v": 1e4}, BLUE)):
             law = find(name)({**stribeck.library(PAPER).sets[PAPER].values, **constants})
             scenario = stribeck.Scenario(
                 law=law, drive={"kind": "velocity", "signal": {"kind": "sine", "amplitude": 1e-3, "frequency": 2.0}},
@@ -240,7 +240,7 @@ def draw_plan(file: Path) -> None:
         "acceleration": "accelerations",
     }
     for kind, times in kinds.items():
-        above.axvspan(min(times), max(times), color=GREY, alpha=0.15 if kind == "constant speed" else 0, lw=0)
+        above.axvspan(min(times), max(times), color=GRAY, alpha=0.15 if kind == "constant speed" else 0, lw=0)
         above.text(np.mean([min(times), max(times)]), 6e2, words[kind], ha="center", va="bottom", fontsize=9)
     above.set_yscale("symlog", linthresh=1e-2)
     above.set(xlabel="time (s)", ylabel="velocity (mm/s)", yticks=[-100, -1, 0, 1, 100], ylim=(-3e2, 3e2))

@@ -59,10 +59,10 @@ def energy() -> tuple[Numbers, Printed]:
         axis = axes["energy"]
         plots.line(axis, 1, e / k_v, -1e9 * result[:, 1], "drawn by unwinding at this speed")
         plots.line(axis, 2, e / k_v, 1e9 * limit, "pi sigma_0 g z/(2 e), e = k_v |v|")
-        axis.axhline(1e9 * cycle["put_in"], color=plots.GREY, linewidth=1.0, label="put in by charging")
-        axis.plot([1 / k_v], [1e9 * cycle["drawn_out"]], "o", color=plots.COLOURS[0], markersize=5, label="replayed")
+        axis.axhline(1e9 * cycle["put_in"], color=plots.GRAY, linewidth=1.0, label="put in by charging")
+        axis.plot([1 / k_v], [1e9 * cycle["drawn_out"]], "o", color=plots.COLORS[0], markersize=5, label="replayed")
         plots.line(axes["time"], 1, e / k_v, result[:, 0], "time")
-        axes["time"].plot([1 / k_v], [cycle["time"]], "o", color=plots.COLOURS[0], markersize=5)
+        axes["time"].plot([1 / k_v], [cycle["time"]], "o", color=plots.COLORS[0], markersize=5)
         for panel, name in (("energy", "energy (nJ)"), ("time", "time (s)")):
             plots.logarithmic(axes[panel])
             axes[panel].set(xlabel="speed of unwinding (m/s)", ylabel=name)
@@ -95,7 +95,7 @@ def unbounded() -> Printed:
             )  # fmt: skip
             plots.line(axes["way"], i, 1e3 * run["y"], run["z"] / Z, human(speed, "m/s"))
         for axis in axes.values():
-            axis.axhline(1.0, color=plots.GREY, linewidth=1.0, label="Z = F_s/sigma_0")
+            axis.axhline(1.0, color=plots.GRAY, linewidth=1.0, label="Z = F_s/sigma_0")
         plots.logarithmic(axes["limit"])
         plots.logarithmic(axes["way"], x=False)
         axes["limit"].set(xlabel="constant v (m/s)", ylabel="z/Z", title="limit, g pi/(2 arctan(k_v v))")
@@ -138,7 +138,7 @@ def dither() -> tuple[dict[str, dict[str, float]], Printed]:
         axis, rows = axes["drift"], np.arange(len(BRISTLES))[::-1]
         for (i, (title, result)), mark in zip(enumerate(moved.items(), start=1), "os", strict=True):
             far, fill = np.maximum(np.abs(list(result.values())), floor), "none" if i > 1 else "full"
-            axis.plot(far, rows, mark, color=plots.COLOURS[i], label=title, markersize=6, fillstyle=fill)
+            axis.plot(far, rows, mark, color=plots.COLORS[i], label=title, markersize=6, fillstyle=fill)
         plots.logarithmic(axis, y=False)
         axis.set(xlabel="moved in 16 s (m); at the left edge: nothing but rounding", xlim=(0.5 * floor, 1e-2))
         axis.set_yticks(rows, list(BRISTLES))
@@ -168,7 +168,7 @@ def creep() -> tuple[Numbers, Printed]:
             plots.line(axis, i, k_v, [1e6 * Creep(1.0, _SHARE).measure(law.replace(k_v=k)) for k in k_v], label)
             simulated[label] = {f"{k:.0e}": _held(name, {**own, "k_v": k}) for k in STEEPNESSES}
             dots = [1e6 * v for v in simulated[label].values()]
-            axis.plot(STEEPNESSES, dots, "o", color=plots.COLOURS[i], markersize=4)
+            axis.plot(STEEPNESSES, dots, "o", color=plots.COLORS[i], markersize=4)
         plots.logarithmic(axis)
         axis.set(xlabel="k_v (s/m)", ylabel="creep (µm/s)")
         plots.legend(built, axis)

@@ -108,11 +108,11 @@ def _storage(made: Mapping[str, Law]) -> Printed:
             scale = law.p.sigma_0 * Z
             low, high = (np.clip(x / scale, -9, 9) for x in Storage(law, _V_MAX, reach=Z).interval(share * Z))
             none = low > high * (1 + 1e-9) + 1e-12
-            axis.fill_between(share, low, high, where=~none, color=plots.COLOURS[6], alpha=0.35, linewidth=0)
-            axis.fill_between(share, high, low, where=none, color=plots.COLOURS[1], alpha=0.35, linewidth=0)
+            axis.fill_between(share, low, high, where=~none, color=plots.COLORS[6], alpha=0.35, linewidth=0)
+            axis.fill_between(share, high, low, where=none, color=plots.COLORS[1], alpha=0.35, linewidth=0)
             plots.line(axis, 2, share, high, "U: energy that winding up needs")
             plots.line(axis, 1, share, low, "L: energy that unwinding gives back")
-            axis.plot(share, share, color=plots.GREY, linewidth=0.8, label="sigma_0 z")
+            axis.plot(share, share, color=plots.GRAY, linewidth=0.8, label="sigma_0 z")
             axis.set(title=name, ylim=(-0.4, 3.4), xlim=(0, 1))
         for name in names[4:]:
             axes[name].set_xlabel("z/Z")

@@ -132,7 +132,7 @@ def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verd
         axes["friction"].set(xlabel="t (s)", ylabel="friction of the mesh (N m)", title="on the way to the target")
         axes["hunts"].set(xlabel="t (s)", ylabel="arm - target (mrad)", title="at the target", ylim=(-30, 30))
         plots.line(axes["energy"], 3, drawn.t, 1e3 * drawn["E_in"], "put in, in all")
-        axes["energy"].axhline(0.0, color=plots.GREY, linewidth=0.8)
+        axes["energy"].axhline(0.0, color=plots.GRAY, linewidth=0.8)
         axes["energy"].set(xlabel="t (s)", ylabel="energy put in (mJ)", title="mesh without v_d, its level swung")
         for name in ("creep", "friction", "hunts"):
             axes[name].legend()

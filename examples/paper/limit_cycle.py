@@ -30,8 +30,8 @@ def chapter(done: Done) -> Chapter:
         built, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
         for panel in ("all", "first", "late"):
             _, of_y = curves(axes[panel], solutions, "t", "y")
-            axes[panel].plot(reference.t, of_y.of(reference["r"]), color=plots.GREY, linewidth=0.8)
-        axes["all"].set_title("(a) complete simulation (setpoint in grey)")
+            axes[panel].plot(reference.t, of_y.of(reference["r"]), color=plots.GRAY, linewidth=0.8)
+        axes["all"].set_title("(a) complete simulation (setpoint in gray)")
         axes["first"].set_xlim(0, 100)
         axes["first"].set_title("(b) first 100 s")
         axes["late"].set_xlim(SETTLED, 250)

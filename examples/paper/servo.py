@@ -208,8 +208,8 @@ def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> Printed:
         for i, (label, s) in enumerate(moves.items()):
             plots.line(axes["y"], i, s.t[::5], s["y"][::5], label)
             plots.line(axes["e"], i, *_largest(s, "e", 0.1), label)
-        for i, (label, colour) in enumerate(((_UNCOMPENSATED, 2), ("lugre_sobczyk", 0))):
-            plots.line(axes["v"], colour, slow[label].t, slow[label]["v"], label, zorder=3 + i)
+        for i, (label, color) in enumerate(((_UNCOMPENSATED, 2), ("lugre_sobczyk", 0))):
+            plots.line(axes["v"], color, slow[label].t, slow[label]["v"], label, zorder=3 + i)
         axes["y"].set(xlabel="t (s)", ylabel="y (m)", title="(a) two moves of 0.1 m, each way, and a rest")
         axes["e"].set(xlabel="t (s)", ylabel="|e| (m)", title="(b) largest error of 0.1 s")
         plots.logarithmic(axes["e"], x=False)

@@ -31,18 +31,18 @@ def chapter(done: Done) -> Chapter:
     with plots.style():
         built, axes = plots.figure([["F"], ["v"]], 5.0)
         _, of_F = curves(axes["F"], solutions, "t", "F")
-        axes["F"].plot(reference.t, of_F.of(reference["u"]), color=plots.GREY, linewidth=0.8)
-        axes["F"].annotate("applied force", (1.45, 1.45 / of_F.factor), color=plots.GREY, fontsize=8)
+        axes["F"].plot(reference.t, of_F.of(reference["u"]), color=plots.GRAY, linewidth=0.8)
+        axes["F"].annotate("applied force", (1.45, 1.45 / of_F.factor), color=plots.GRAY, fontsize=8)
         axes["F"].set_title("(a) friction force")
         _, of_v = curves(axes["v"], solutions, "t", "v")
-        axes["v"].plot(viscous.t, of_v.of(viscous["v"]), color=plots.GREY, linewidth=1.0)
-        axes["v"].annotate("viscous friction alone", (2.6, 1.25 / of_v.factor), color=plots.GREY, fontsize=8)
+        axes["v"].plot(viscous.t, of_v.of(viscous["v"]), color=plots.GRAY, linewidth=1.0)
+        axes["v"].annotate("viscous friction alone", (2.6, 1.25 / of_v.factor), color=plots.GRAY, fontsize=8)
         axes["v"].set_title("(b) velocity")
         plots.legend(built, axes["F"])
         figure = finish(
             built, "fig07_sine_force",
-            "Friction follows the applied force (grey) until F_s is reached, falls to F_c, and the body moves in the "
-            f"direction of the force until it sticks again. With viscous friction alone (b, grey) the body never rests and "
+            "Friction follows the applied force (gray) until F_s is reached, falls to F_c, and the body moves in the "
+            f"direction of the force until it sticks again. With viscous friction alone (b, gray) the body never rests and "
             f"reaches {viscous.peaks['v']:.3f} m/s where LuGre reaches {reference.peaks['v']:.3f} m/s.",
         )  # fmt: skip
     off = {label: deviations(reference, solutions[label]) for label in PROPOSED}

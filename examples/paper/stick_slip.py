@@ -26,8 +26,8 @@ def chapter(done: Done) -> Chapter:
     with plots.style():
         built, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
         _, of_y = curves(axes["y"], solutions, "t", "y")
-        axes["y"].plot(reference.t, of_y.of(reference["x"]), color=plots.GREY, linewidth=0.8)
-        axes["y"].annotate("far end x", (14, 2.6 / of_y.factor), color=plots.GREY, fontsize=8)
+        axes["y"].plot(reference.t, of_y.of(reference["x"]), color=plots.GRAY, linewidth=0.8)
+        axes["y"].annotate("far end x", (14, 2.6 / of_y.factor), color=plots.GRAY, fontsize=8)
         axes["y"].set_title("(a) complete simulation")
         curves(axes["detail"], solutions, "t", "y")
         last = float(reference.events["slip"][-2])

@@ -34,7 +34,7 @@ def chapter(done: Done) -> Chapter:
         "machine of your own.",
     )
     caption = (
-        "What is tolerated (grey) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
+        "What is tolerated (gray) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
         "it. Table 1; creep under 0.95 F_s."
     )
     with plots.style():

@@ -1,4 +1,4 @@
-"""The functions of generated C, one by one: the source plus a few exported wrappers, compiled without optimisation."""
+"""The functions of generated C, one by one: the source plus a few exported wrappers, compiled without optimization."""
 
 import ctypes
 import subprocess

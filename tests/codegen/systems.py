@@ -48,7 +48,7 @@ def systems(law, form, energy=(False, True)):
 
 
 def one_signal_each(law, form):
-    """A system with energy under each drive, the sorts of signal in turn: neighbouring variants have the other one."""
+    """A system with energy under each drive, the sorts of signal in turn: neighboring variants have the other one."""
     turn = IDS.index("_".join((law.name, *form.words)))
     return [one_body(law, form, kind, bool((turn + i) % 2), True) for i, kind in enumerate(DRIVES)]
 

@@ -25,7 +25,7 @@ STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_without_a_warning(law, form, tmp_path):
-    """One system goes through the whole compiler, the others are parsed; neighbouring variants differ in the energy."""
+    """One system goes through the whole compiler, the others are parsed; neighboring variants differ in the energy."""
     turn = VARIANTS.index((law, form))
     every = systems(law, form, energy=(turn % 2 == 1,))
     files = [tmp_path / f"system{i}.c" for i in range(len(every))]

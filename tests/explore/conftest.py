@@ -25,6 +25,6 @@ def built(scenario, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def data(made):
-    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', made.read_text(), re.S)[1]
+def data(built):
+    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', built.read_text(), re.S)[1]
     return json.loads(text)

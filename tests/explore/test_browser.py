@@ -34,9 +34,9 @@ def browser():
 
 
 @pytest.fixture
-def page(browser, made):
+def page(browser, built):
     browser.get("about:blank")
-    browser.get(made.as_uri())
+    browser.get(built.as_uri())
     settle(browser)
     return browser
 
@@ -196,9 +196,9 @@ def test_a_long_run_shows_its_progress_and_can_be_left(page):
     assert page.execute_script("return window.stribeck.result.columns.t.at(-1)") == pytest.approx(40.0)
 
 
-def test_what_a_link_sets_is_in_sight_and_stick_slip_begins_as_F_s_is_dragged(browser, made):
+def test_what_a_link_sets_is_in_sight_and_stick_slip_begins_as_F_s_is_dragged(browser, built):
     browser.get("about:blank")
-    browser.get(f"{made.as_uri()}#law.parameters.F_s=1")
+    browser.get(f"{built.as_uri()}#law.parameters.F_s=1")
     settle(browser)
     low, high = browser.execute_script(
         "const r = (e) => e.getBoundingClientRect(), box = r(document.getElementById('controls'));"
@@ -262,9 +262,9 @@ const [name, column] = arguments, figure = model(name), canvas = boards.get(name
 const most = list.reduce((best, x, i) => x > list[best] ? i : best, 0), step = value("output.step"), [, yf] = scaled.get(name);
 const zoom = canvas.width / canvas.clientWidth, share = (range, x) => (x - range.start) / (range.end - range.start);
 const x = share(figure.x_range, most * step) * canvas.width, y = (1 - share(figure.y_range, list[most] / yf)) * canvas.height;
-const found = canvas.getContext("2d").getImageData(Math.round(x) - 3, Math.round(y) - 3, 7, 7).data, colours = [];
-for (let i = 0; i < found.length; i += 4) colours.push([found[i], found[i + 1], found[i + 2]]);
-return { inside: y >= 0 && y <= canvas.height, colours, hidden: canvas.hidden };
+const found = canvas.getContext("2d").getImageData(Math.round(x) - 3, Math.round(y) - 3, 7, 7).data, colors = [];
+for (let i = 0; i < found.length; i += 4) colors.push([found[i], found[i + 1], found[i + 2]]);
+return { inside: y >= 0 && y <= canvas.height, colors, hidden: canvas.hidden };
 """
 
 
@@ -285,7 +285,7 @@ def test_curves_follow_a_slider_that_does_not_rest_and_the_charts_follow_when_it
     result = page.execute_script(_PIXELS, "velocity", "v")
     assert result["inside"]
     assert not result["hidden"]
-    assert any(abs(r - 0x1B) < 60 and abs(g - 0x87) < 60 and abs(b - 0xC9) < 60 for r, g, b in result["colours"])
+    assert any(abs(r - 0x1B) < 60 and abs(g - 0x87) < 60 and abs(b - 0xC9) < 60 for r, g, b in result["colors"])
     page.execute_script("draw(window.stribeck.result)")
     settle(page)
     time.sleep(0.3)

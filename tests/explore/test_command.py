@@ -9,15 +9,15 @@ from stribeck import examples
 from tests.cli.conftest import stribeck  # noqa: F401
 
 
-def test_the_page_stands_alone_and_is_small(made, data):
-    text = made.read_text()
+def test_the_page_stands_alone_and_is_small(built, data):
+    text = built.read_text()
     assert "http://" not in text.replace("http://www.w3.org", "")
     assert "src=" not in text.split("<script type")[0]
     modules = [len(base64.b64decode(law["wasm"])) for law in data["laws"].values()]
     from stribeck.laws import builtin
 
     rest = (len(builtin()) - len(modules)) * (4 / 3 * max(modules) + 6000)
-    assert made.stat().st_size + rest < 1.5e6
+    assert built.stat().st_size + rest < 1.5e6
     paths = {n["path"] for n in (*data["numbers"], *data["laws"]["lugre_majorant"]["numbers"])}
     assert {"law.k_v", "law.parameters.F_s", "plant.mass", "plant.initial.z", "drive.stiffness", "drive.signal.rate",
             "solve.t_end", "solve.rtol", "output.step"} <= paths  # fmt: skip

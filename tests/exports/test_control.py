@@ -68,7 +68,7 @@ def test_the_tolerance_is_that_of_the_smallest_bristle_of_a_system(monkeypatch):
     assert response(pair, [0.0, 1.0])["atol"] == pytest.approx(1e-9 * 1.5 / 1e5)
 
 
-def test_linearised_stuck_body_rings_on_its_bristles():
+def test_linearized_stuck_body_rings_on_its_bristles():
     body = to_control(stribeck.law("lugre_majorant", "canudas1995", k_v=1e8), mass=1.0)
     poles = ct.linearize(body, [0, 0, 0], [0], eps=1e-14).poles()
     ringing = poles[abs(poles.imag) > 1]

@@ -58,7 +58,7 @@ def test_constants_that_no_target_can_have(tmp_path):
 
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
 def test_the_limit_is_where_the_loop_grows(name):
-    """The linearisation against the loop itself: a body at rest, kicked by almost nothing."""
+    """The linearization against the loop itself: a body at rest, kicked by almost nothing."""
     chosen = law(name)
     for step in (2e-3, 3.2e-3, 4.2e-3, 6e-3):
         v, z = 1e-9, 0.0

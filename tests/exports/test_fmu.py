@@ -279,7 +279,7 @@ class Exchanged:
     "state", ["enterInitializationMode", "exitInitializationMode", "enterContinuousTimeMode", "end"]
 )
 def test_nothing_is_computed_with_constants_that_are_not_allowed(name, part, fmi, state, folder):
-    """F_c = inf was taken where it was set while time goes on: only a step, or the end of the initialisation, looked."""
+    """F_c = inf was taken where it was set while time goes on: only a step, or the end of the initialization, looked."""
     model = Exchanged(fmu(name, part, fmi, folder), fmi)
     model.reach(state)
     assert not any(model.refused().values())

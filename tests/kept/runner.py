@@ -119,7 +119,7 @@ def near(a, b, tolerance):
 def _place(number):
     """One unit of the last place that is shown."""
     mantissa, _, power = number.partition("e")
-    return 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
+    return float(f"1e{int(power or 0) - len(mantissa.partition('.')[2])}")  # inf of a digest such as 3e400
 
 
 @contextlib.contextmanager

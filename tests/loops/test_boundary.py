@@ -8,7 +8,7 @@ import pytest
 from stribeck import Scenario
 from stribeck.loops import boundary
 from stribeck.loops.boundary import Turned, line
-from stribeck.loops.judge import Judgement
+from stribeck.loops.judge import Judgment
 from stribeck.loops.loop import loop_of
 from stribeck.loops.said import mixed_sentence
 from tests.loops.axis import axis
@@ -20,7 +20,7 @@ def along(monkeypatch, verdict, low=100.0, high=800.0):
     """What is named where the verdict at each value is what ``verdict`` says."""
 
     def judge(_, values, slowest):
-        return [Judgement(verdict(x), "a", 0.0, 0.0) for x in values[PATH].tolist()]
+        return [Judgment(verdict(x), "a", 0.0, 0.0) for x in values[PATH].tolist()]
 
     monkeypatch.setattr(boundary, "judge", judge)
     return line(loop_of(Scenario(axis())), Turned(PATH, low, high))

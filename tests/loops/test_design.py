@@ -69,7 +69,7 @@ def test_sampling_with_delay_makes_it_unstable_where_continuous_it_is_quiet():
 
 @pytest.mark.thorough
 def test_another_solver_agrees_on_both_sides_of_a_boundary():
-    """Where a delay destabilises: 5 % away on either side the second solver's mass rests, or does not."""
+    """Where a delay destabilizes: 5 % away on either side the second solver's mass rests, or does not."""
     data = axis(K_p=500.0, K_d=30.0, limit=100.0, sampling={"period": 2e-3, "delay": 2e-3})
     loop = loop_of(Scenario(data))
     result = line(loop, Turned.parse("controllers.hold.sampling.delay=6e-3:6e-2"))

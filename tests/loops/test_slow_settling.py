@@ -22,14 +22,14 @@ def loop(name):
 @pytest.mark.parametrize(("name", "rests"), [("slips", (100, 125)), ("creeps", (85, 120))])
 def test_a_loop_that_settles_late_is_quiet(name, rests):
     of = loop(name)
-    (judgement,) = judge(of)
-    assert judgement.verdict == "quiet"
-    assert rests[0] < judgement.rested * of.slowest < rests[1]
+    (judgment,) = judge(of)
+    assert judgment.verdict == "quiet"
+    assert rests[0] < judgment.rested * of.slowest < rests[1]
 
 
 @pytest.mark.parametrize(
     ("name", "verdict", "note"), [("slips", "hunting", IRREGULAR), ("creeps", "creeping", SLOWING)]
 )
 def test_a_run_that_ends_too_early_says_what_is_open(name, verdict, note):
-    (judgement,) = judge(loop(name), most_steps=200_000)
-    assert (judgement.verdict, judgement.note) == (verdict, note)
+    (judgment,) = judge(loop(name), most_steps=200_000)
+    assert (judgment.verdict, judgment.note) == (verdict, note)

@@ -8,12 +8,12 @@ import pytest
 from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
 from stribeck.loops.figures import motions, unbeaten
-from stribeck.loops.judge import Judgement, judge, rest_bands
+from stribeck.loops.judge import Judgment, judge, rest_bands
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
 from stribeck.loops.said import starts_sentence
 from stribeck.loops.shaken import SHARE, swings
-from stribeck.loops.starts import Start, _travel_ratios, distinct_judgements, from_starts
+from stribeck.loops.starts import Start, _travel_ratios, distinct_judgments, from_starts
 from tests.loops.axis import axis
 from tests.machine.machines import law
 
@@ -34,23 +34,23 @@ def test_what_it_does_depends_on_the_start():
     own = judge(loop)[0]
     fitted = from_starts(loop, "hold")
     assert own.verdict == "quiet"
-    cycles = [s for s in fitted if s.judgement.verdict == "hunting"]
+    cycles = [s for s in fitted if s.judgment.verdict == "hunting"]
     assert [abs(s.off) for s in cycles] == pytest.approx([0.03 * 0.025] * 2)
-    assert all(s.judgement.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
-    assert {j.verdict for j in distinct_judgements(fitted, own)} == {"quiet", "hunting"}
+    assert all(s.judgment.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
+    assert {j.verdict for j in distinct_judgments(fitted, own)} == {"quiet", "hunting"}
     assert f"from 2 of {len(fitted)} other starts it hunts, ±" in starts_sentence(fitted, own, "m")
-    assert len(distinct_judgements([s for s in fitted if s.judgement.quiet], own)) == 1
+    assert len(distinct_judgments([s for s in fitted if s.judgment.quiet], own)) == 1
 
 
 @pytest.mark.parametrize(("amplitude", "different"), [(1.105e-6, 1), (1.12e-6, 2)])
 def test_cycles_within_a_tenth_of_the_larger_one_are_one(amplitude, different):
-    one, other = (Judgement("hunting", "a", x, 0.1) for x in (1e-6, amplitude))
+    one, other = (Judgment("hunting", "a", x, 0.1) for x in (1e-6, amplitude))
     for start, own in ((one, other), (other, one)):
-        assert len(distinct_judgements([Start("a", 1e-3, 0.0, start)], own)) == different
+        assert len(distinct_judgments([Start("a", 1e-3, 0.0, start)], own)) == different
 
 
 def test_a_cycle_without_a_period_is_told_without_one():
-    rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
+    rest, uneven = Judgment("quiet", "a", 0.0, np.nan), Judgment("hunting", "a", 2e-6, np.nan)
     results = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
     reported = starts_sentence(results, rest, "m")
     assert reported == "from 1 of 2 other starts it hunts, ±2 µm"
@@ -63,7 +63,7 @@ def test_rest_is_measured_by_the_move_of_the_file():
     held = replace(loop, travel={"a": 0.1})
     assert rest_bands(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
     assert rest_bands(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
-    assert all(s.judgement.quiet for s in from_starts(loop, "hold"))
+    assert all(s.judgment.quiet for s in from_starts(loop, "hold"))
 
 
 def test_starts_move_what_is_linked_along():

@@ -37,7 +37,7 @@ def test_a_motion_that_grows_on_its_way_to_rest_is_quiet():
 def test_what_saturates_on_its_way_to_rest_is_quiet():
     sampling = {"period": 1e-3, "delay": 5e-4, "resolution": 2e-5}
     fitted = from_starts(cascade(K_v=60.0, T_i=0.1, limit=40.0, sampling=sampling), "axis")
-    rests = {abs(s.off) for s in fitted if s.judgement.quiet and s.off}
+    rests = {abs(s.off) for s in fitted if s.judgment.quiet and s.off}
     assert {0.00025, 0.0025} <= {float(f"{x:.3g}") for x in rests}
 
 

@@ -64,7 +64,7 @@ def test_rotary_can_be_said_no_to_and_is_kept_by_changes():
 def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
     results = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
-    line = SimpleNamespace(judgements=results, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
+    line = SimpleNamespace(judgments=results, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
     assert (">failed<" in svg(design_figures.line(line, 0))) is shown
 
 

@@ -115,7 +115,7 @@ def test_steps_that_run_out(run, tmp_path):
 )
 def test_what_no_steps_can_follow_ends_soon(name, reason, tmp_path, monkeypatch):
     """They took solve.max_steps = 1e9 attempts, minutes of processor time; a lane of an ensemble too. By C: another order
-    of operations, and less optimisation, goes along the edge and does not look beyond it."""
+    of operations, and less optimization, goes along the edge and does not look beyond it."""
     monkeypatch.setenv("STRIBECK_BACKEND", "c")
     monkeypatch.delenv("STRIBECK_CC", raising=False)
     data = user_law(name, tmp_path)

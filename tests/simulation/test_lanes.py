@@ -153,7 +153,7 @@ def test_nothing_is_written_outside_the_rows():
 
 
 def test_a_lane_is_the_same_beside_any_others():
-    """Also what decides whether a lane is solved again: a neighbour that wrote a row counted once for all."""
+    """Also what decides whether a lane is solved again: a neighbor that wrote a row counted once for all."""
     slips = {**rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": 0.1}, 20.0, rows=200)}
     stiffness = np.linspace(1.0, 3.0, 16)
     together = simulate(slips, {"drive.stiffness": stiffness}, threads=1)

@@ -11,7 +11,7 @@ from stribeck.errors import needed
 from stribeck.scenario import Scenario
 
 # After the colors of Okabe and Ito, which color-blind readers can distinguish; legible on white and on black.
-_COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
+_COLORS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
 _GHOST = "#8c8c8c"
 _NAMES = {
     "y": "position",
@@ -123,19 +123,19 @@ def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool) -> Any:
     for series in panel.y:
         drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
     shown = []
-    for series, colour in zip(panel.y, cycle(_COLOURS), strict=False):
+    for series, color in zip(panel.y, cycle(_COLORS), strict=False):
         named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log else {}
-        shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **named))
+        shown.append(drawn.line("along", series.column, source=now, color=color, line_width=1.7, **named))
     if panel.marks:
-        for kind, marker, colour in (("slip", "triangle", _COLOURS[1]), ("stick", "circle", _COLOURS[2])):
+        for kind, marker, color in (("slip", "triangle", _COLORS[1]), ("stick", "circle", _COLORS[2])):
             source = ColumnDataSource(name=f"{name}-{kind}", data={"x": [0.1], "y": [0.1]})
             drawn.scatter(
-                "x", "y", source=source, marker=marker, size=7, color=colour, line_color=None, legend_label=kind
+                "x", "y", source=source, marker=marker, size=7, color=color, line_color=None, legend_label=kind
             )
     if panel.log:
         point = ColumnDataSource(name="curve-point", data={"x": [0.1], "y": [0.1]})
         named = {"legend_label": "at the run's mean speed"}
-        drawn.scatter("x", "y", source=point, size=11, color=_COLOURS[1], line_color="white", **named)
+        drawn.scatter("x", "y", source=point, size=11, color=_COLORS[1], line_color="white", **named)
     mode: Any = "vline" if over_time or panel.log else "mouse"
     drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode=mode))
     for side in ("height", "width"):  # cross hairs for reading by keyboard

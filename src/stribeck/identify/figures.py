@@ -47,7 +47,7 @@ def data(log: Log) -> Figure:
         shown = _scale(log, name, getattr(log, name))
         for rows in log.runs():
             x, y = plots.in_time(time[rows], getattr(log, name)[rows])
-            axes[name].plot(x, shown.of(y), color=plots.COLOURS[_MEASURED], linewidth=0.8)
+            axes[name].plot(x, shown.of(y), color=plots.COLORS[_MEASURED], linewidth=0.8)
         axes[name].set_ylabel(shown.label)
     axes[names[-1]].set_xlabel(label)
     return figure
@@ -57,10 +57,10 @@ def spectrum(log: Log, frequency: Array, power: Array, floor: float) -> Figure:
     """The spectrum of the measured motion that the cut-off is from."""
     figure, axes = plots.figure([["spectrum"]], 2.6)
     axis = axes["spectrum"]
-    axis.loglog(frequency, power, color=plots.COLOURS[_MEASURED], label="measured motion")
-    axis.axhline(floor, color=plots.GREY, linestyle=plots.DASHES[2], label="noise floor")
+    axis.loglog(frequency, power, color=plots.COLORS[_MEASURED], label="measured motion")
+    axis.axhline(floor, color=plots.GRAY, linestyle=plots.DASHES[2], label="noise floor")
     if log.bandwidth:
-        axis.axvline(log.bandwidth, color=plots.COLOURS[1], linestyle=plots.DASHES[1], label="cut-off")
+        axis.axvline(log.bandwidth, color=plots.COLORS[1], linestyle=plots.DASHES[1], label="cut-off")
     axis.set_xlabel("frequency (Hz)")
     axis.set_ylabel("power spectral density (SI/Hz)")
     plots.legend(figure, axis)
@@ -87,18 +87,18 @@ def curve(fit: LogFit, p: FrictionRows) -> Figure:
     speeds = of_v.of(p.velocity[rows])
     figure, axes = plots.figure([["curve"], ["curve"], ["residual"]], 5.4)
     axis = axes["curve"]
-    axis.plot(speeds, of_f.of(p.measured[rows]), ".", color=plots.COLOURS[6], markersize=2, label="measured")
+    axis.plot(speeds, of_f.of(p.measured[rows]), ".", color=plots.COLORS[6], markersize=2, label="measured")
     if fit.method == "static":
-        axis.plot(speeds, of_f.of(p.fitted[rows]), ".", color=plots.COLOURS[1], markersize=2, label="fitted")
+        axis.plot(speeds, of_f.of(p.fitted[rows]), ".", color=plots.COLORS[1], markersize=2, label="fitted")
     fastest = float(np.max(abs(p.velocity)))
     slowest = float(np.quantile(abs(p.velocity), _SLOWEST))
     half = np.geomspace(max(slowest, 1e-5 * fastest), fastest, 400)
     v = np.concatenate([-half[::-1], half])
     force = fit.law(guessing=True).steady_force(v)
     force = np.where(abs(force) < _ROOM * np.max(abs(p.measured)), force, np.nan)
-    axis.plot(of_v.of(v), of_f.of(force), color=plots.COLOURS[_MEASURED], label=f"{fit.law_name}, steady")
+    axis.plot(of_v.of(v), of_f.of(force), color=plots.COLORS[_MEASURED], label=f"{fit.law_name}, steady")
     left = of_rest.of(p.measured - p.fitted)
-    axes["residual"].plot(speeds, left[rows], ".", color=plots.COLOURS[_MEASURED], markersize=2)
+    axes["residual"].plot(speeds, left[rows], ".", color=plots.COLORS[_MEASURED], markersize=2)
     axes["residual"].set_ylabel(of_rest.label)
     axes["residual"].set_xlabel(of_v.label)
     axis.set_ylabel(of_f.label)
@@ -124,7 +124,7 @@ def traces(shown: Sequence[Trace], words: tuple[str, str]) -> Figure:
             axes[panel].set_ylabel(of_x.label)
             axes[panel].set_xlabel(label)
         axis, left = axes[f"{x.column} left"], of_left.of(x.measured - x.predicted)
-        axis.plot(*plots.in_time(time, left), color=plots.COLOURS[_MEASURED], linewidth=0.7)
+        axis.plot(*plots.in_time(time, left), color=plots.COLORS[_MEASURED], linewidth=0.7)
         axis.set_ylabel(of_left.label)
         axis.set_xlabel(label)
     plots.legend(figure, axes[shown[0].column])

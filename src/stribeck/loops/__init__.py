@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 from stribeck.errors import InputError, arg, nearest, read_pairs
 from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
-from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.judge import Judgment, judge
 from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.lyapunov import cascade_of
 from stribeck.loops.moves import Moves, Tracked, errors, moves_of
 from stribeck.loops.servo import ServoDesign, design_servo
-from stribeck.loops.starts import Start, distinct_judgements, from_starts
+from stribeck.loops.starts import Start, distinct_judgments, from_starts
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
@@ -38,19 +38,19 @@ class Design:
     Attributes:
         loop: the machine with signals that end at rest, and its slowest time constant.
         controller: name of the controller that is judged.
-        judgement: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
+        judgment: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
         tracked: signal, position and tracking errors of each move ("file", "sine", "slow_ramp", "step").
         lines: the verdict along each varied path, with its boundaries.
         compensations: each remedy against friction, with its largest quiet share and the error that remains.
         why_not: why compensations were not compared; empty if they were.
         excess: the share above which compensation at the measured speed exceeds the friction.
-        starts: the judgement from each of many starts.
+        starts: the judgment from each of many starts.
         moves: amplitude (m or rad) and greatest speed of the standard moves.
     """
 
     loop: Loop
     controller: str
-    judgement: Judgement
+    judgment: Judgment
     tracked: dict[str, Tracked]
     lines: list[boundary.PathVerdicts]
     compensations: list[compensation.CompensationResult]
@@ -62,12 +62,12 @@ class Design:
     @property
     def verdict(self) -> str:
         """The verdict in one word."""
-        return self.judgement.verdict
+        return self.judgment.verdict
 
     @property
     def failed(self) -> str | None:
         """Why the simulation failed."""
-        return self.judgement.note if self.verdict == "failed" else None
+        return self.judgment.note if self.verdict == "failed" else None
 
     @property
     def errors(self) -> dict[str, dict[str, float | None]]:
@@ -82,7 +82,7 @@ class Design:
 
     def to_dict(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
-        j = self.judgement
+        j = self.judgment
         cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
         return {
             "status": "failed" if self.verdict == "failed" else "done",
@@ -91,7 +91,7 @@ class Design:
             "why": j.note or None,
             "limit_cycle": cycle if self.verdict == "hunting" else None,
             "starts": [start.row() for start in self.starts],
-            "depends_on_the_start": len(distinct_judgements(self.starts, j)) > 1,
+            "depends_on_the_start": len(distinct_judgments(self.starts, j)) > 1,
             "slowest_time_constant": self.loop.slowest,
             "held_signals": list(self.loop.held),
             "errors": self.errors,
@@ -150,7 +150,7 @@ def design(
     def part(text: str) -> Callable[[float], None]:
         return lambda share: None if tell is None else tell(share, text)
 
-    judgement = judge(loop, tell=part("verdict"))[0]
+    judgment = judge(loop, tell=part("verdict"))[0]
     starts = from_starts(loop, name, part("other starts"))
     part("tracking errors")(0.0)
     tracked = errors(loop, name)
@@ -161,7 +161,7 @@ def design(
             compensations, over = compensation.compare(loop, name, samples, tell), excess(loop.scenario, name, samples)
         except InputError as error:
             why_not = str(error)
-    return Design(loop, name, judgement, tracked, lines, compensations, why_not, over, starts, moves_of(loop, name))
+    return Design(loop, name, judgment, tracked, lines, compensations, why_not, over, starts, moves_of(loop, name))
 
 
 def _controller(loop: Loop, name: str | None) -> str:

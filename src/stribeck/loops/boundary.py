@@ -14,7 +14,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.judge import Judgment, judge
 from stribeck.loops.loop import Loop, time_constant
 
 POINTS = 25  # of the first scan: over a decade, steps of 10 %
@@ -114,7 +114,7 @@ class PathVerdicts:
     Attributes:
         turned: the path and its range.
         values: the simulated values, in order.
-        judgements: the judgement at each value.
+        judgments: the judgment at each value.
         boundaries: where the verdict changes once.
         mixed: intervals in which it changes more often.
         resolution: the widest step between equal verdicts, as a share of the value; narrower intervals may be missed.
@@ -122,7 +122,7 @@ class PathVerdicts:
 
     turned: Turned
     values: Array
-    judgements: list[Judgement]
+    judgments: list[Judgment]
     boundaries: list[Boundary]
     mixed: list[Mixed]
     resolution: float
@@ -137,16 +137,16 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
     scan.divide(tell, 0.5)
     scan.beside()
     values = np.array(sorted(scan.seen))
-    judgements = [scan.seen[x] for x in values.tolist()]
-    return PathVerdicts(turned, values, judgements, *_classify(turned, scan.seen), scan.resolution())
+    judgments = [scan.seen[x] for x in values.tolist()]
+    return PathVerdicts(turned, values, judgments, *_classify(turned, scan.seen), scan.resolution())
 
 
 class _Scan:
-    """Points of a path with their judgements."""
+    """Points of a path with their judgments."""
 
     def __init__(self, loop: Loop, turned: Turned) -> None:
         self.loop, self.turned = loop, turned
-        self.seen: dict[float, Judgement] = {}
+        self.seen: dict[float, Judgment] = {}
         self.known = turned.points(_CONSTANTS)
         ends = [loop.scenario.with_changes({turned.path: float(x)}) for x in self.known]
         self.constants = np.array([time_constant(end) for end in ends])
@@ -161,8 +161,8 @@ class _Scan:
         new = np.array([x for x in np.unique(values) if x not in self.seen])
         if len(new):
             slowest = np.exp(np.interp(new, self.known, np.log(self.constants)))
-            judgements = judge(self.loop, {self.turned.path: new}, slowest=slowest)
-            self.seen.update(zip(new.tolist(), judgements, strict=True))
+            judgments = judge(self.loop, {self.turned.path: new}, slowest=slowest)
+            self.seen.update(zip(new.tolist(), judgments, strict=True))
 
     def divide(self, tell: Callable[[float], None] | None, begun: float) -> None:
         """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly.
@@ -233,7 +233,7 @@ class _Scan:
         return bool(abs(change) > _TURNS)
 
 
-def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
+def _changes(seen: dict[float, Judgment]) -> list[tuple[float, float]]:
     values = sorted(seen)
     return [(a, b) for a, b in pairwise(values) if seen[a].verdict != seen[b].verdict]
 
@@ -249,7 +249,7 @@ def _groups(changes: list[tuple[float, float]]) -> list[tuple[float, float]]:
     return groups
 
 
-def _classify(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Boundary], list[Mixed]]:
+def _classify(turned: Turned, seen: dict[float, Judgment]) -> tuple[list[Boundary], list[Mixed]]:
     """The boundaries, beside which the verdicts hold, and the mixed intervals."""
     boundaries, mixed = [], []
     groups = _groups(_changes(seen))
@@ -274,6 +274,6 @@ def _check_points(turned: Turned, low: float, high: float) -> Array:
     return values[(values >= turned.low) & (values <= turned.high)]
 
 
-def _verdicts_hold(seen: dict[float, Judgement], turned: Turned, low: float, high: float) -> bool:
+def _verdicts_hold(seen: dict[float, Judgment], turned: Turned, low: float, high: float) -> bool:
     near = _check_points(turned, low, high)
     return all(x in seen and seen[x].verdict == seen[low if x <= low else high].verdict for x in near.tolist())

@@ -26,12 +26,12 @@ def line(along: PathVerdicts, i: int) -> Figure:
     def draw() -> Drawn:
         figure, axes = plots.figure([["verdict"]], 2.2)
         axis = axes["verdict"]
-        level = np.array([VERDICTS.index(j.verdict) for j in along.judgements])
-        axis.plot(along.values, level, ".", color=plots.COLOURS[2])
+        level = np.array([VERDICTS.index(j.verdict) for j in along.judgments])
+        axis.plot(along.values, level, ".", color=plots.COLORS[2])
         for b in along.boundaries:
-            axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
+            axis.axvline(b.value, color=plots.COLORS[1], linestyle="--")
         for m in along.mixed:
-            axis.axvspan(m.low, m.high, color=plots.COLOURS[1], alpha=0.2, linewidth=0)
+            axis.axvspan(m.low, m.high, color=plots.COLORS[1], alpha=0.2, linewidth=0)
         shown = VERDICTS if level.max() == len(VERDICTS) - 1 else VERDICTS[:-1]  # a run that failed is seldom
         axis.set_yticks(range(len(shown)), shown)
         axis.set(xlabel=along.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
@@ -98,7 +98,7 @@ def shares(results: Sequence[CompensationResult], unit: str) -> Figure:
         for i, c in enumerate(results):
             quiet = c.largest_quiet_share is not None
             margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
-            mark = axis.plot([margin], [c.worst_error / factor], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
+            mark = axis.plot([margin], [c.worst_error / factor], "os^Dv"[i % 5], color=plots.COLORS[i])[0]
             mark.set(fillstyle="full" if quiet else "none", label=c.kind if quiet else f"{c.kind}, not quiet")
         front = [(margin, error / factor) for margin, error in unbeaten(results)]
         axis.plot(*zip(*front, strict=True), "-", color="0.6", zorder=0) if front else None

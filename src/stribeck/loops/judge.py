@@ -58,7 +58,7 @@ Tell = Callable[[float], None]
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Judgment:
     """The behavior of a loop after its signals rest.
 
     Attributes:
@@ -92,8 +92,8 @@ def judge(
     tell: Tell | None = None,
     slowest: Array | None = None,
     most_steps: int = MOST_STEPS,
-) -> list[Judgement]:
-    """The judgement of each lane of ``values`` (as for :func:`stribeck.simulate_ensemble`); of the file if there are none.
+) -> list[Judgment]:
+    """The judgment of each lane of ``values`` (as for :func:`stribeck.simulate_ensemble`); of the file if there are none.
 
     A lane is simulated until its signals rest and then for :data:`SHORTEST` of the slowest time constants; the second half
     of these is judged. Unless it shows a steady state (rest with constant friction, a cycle of constant size), the lane is
@@ -113,7 +113,7 @@ def judge(
         pending = judging.further(pending)
         if tell is not None:
             tell(judging.share_done())
-    return [each for each in judging.judgements if each is not None]
+    return [each for each in judging.judgments if each is not None]
 
 
 class _Judging:
@@ -123,7 +123,7 @@ class _Judging:
         self, loop: Loop, values: dict[str, Array], tau: Array, swing: list[dict[str, float]], most_steps: int
     ) -> None:
         self.loop, self.values, self.tau, self.swing, self.most_steps = loop, values, tau, swing, most_steps
-        self.judgements: list[Judgement | None] = [None] * len(tau)
+        self.judgments: list[Judgment | None] = [None] * len(tau)
         # at least a quarter of the time until the signals rest, which would otherwise take most of the rows
         self.length = np.maximum(SHORTEST * tau, loop.rest / 4)
         self.open = np.ones(len(tau), bool)
@@ -155,8 +155,8 @@ class _Judging:
         last = gave_up or longer < 1.5 * length
         record = _LaneRecord(self.loop, lanes, lane, tau, self.swing[place], last)
         self.steps[place] += steps
-        judgement, wanted = record.judge()
-        self.judgements[place] = replace(judgement, steps=int(self.steps[place]))
+        judgment, wanted = record.judge()
+        self.judgments[place] = replace(judgment, steps=int(self.steps[place]))
         if record.waits and wanted > longer:  # break-away is later than the longest run
             wanted = 2 * length if 2 * steps < _WAITS else 0.0
         self.open[place] = wanted > length and not last
@@ -184,14 +184,14 @@ class _LaneRecord:
         """A column of the lane."""
         return np.asarray(self.lanes[name][self.lane])
 
-    def judge(self) -> tuple[Judgement, float]:
-        """The judgement, and the length to simulate next after the signals' rest, s; 0 if it is decided."""
+    def judge(self) -> tuple[Judgment, float]:
+        """The judgment, and the length to simulate next after the signals' rest, s; 0 if it is decided."""
         length = float(self.t[self.rows][-1]) - self.loop.rest if self.reached.stop else 0.0
         if self._diverged() or (self.lanes.not_finite[self.lane] and self._grew()):
-            return Judgement("unstable", self.main, np.nan, np.nan, "it grows without end"), 0.0
+            return Judgment("unstable", self.main, np.nan, np.nan, "it grows without end"), 0.0
         ended = self.reached.stop <= _FEW or self.lanes.not_finite[self.lane]  # what was reached shows no rest
         if (reason := self.lanes.reason[self.lane]) is not None and (ended or not self.last):
-            return Judgement("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
+            return Judgment("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
         rest = self._rest_bands()
         excess = {name: self._peak_to_peak(name) / rest[name] if rest[name] else 0.0 for name in self.moving}
         body = self.main if excess.get(self.main, 0.0) > 1 else max(excess, key=excess.__getitem__)
@@ -208,25 +208,23 @@ class _LaneRecord:
             steady = _STEADY * first < second < first / _STEADY
             steady &= breaks is None and length > 4 * SHORTEST * self.tau
             note = SLOWING if self.last and not steady else ""
-            return Judgement("creeping", body, amplitude, np.nan, note), (
+            return Judgment("creeping", body, amplitude, np.nan, note), (
                 0.0 if steady else self._next_length(breaks, length)
             )
         return self._judge_oscillation(body, y, rest[body], length)
 
-    def _judge_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
+    def _judge_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgment, float]:
         """Quiet; simulated longer if the motion within the rest band grows, or if friction may still break away."""
         main = f"{self.main}.y"
         note = WINDS if breaks is not None else SHAKEN if self.swing else ""
-        judgement = Judgement(
-            "quiet", self.main, self._peak_to_peak(self.main) / 2, np.nan, note, self._rest_time(rest)
-        )
+        judgment = Judgment("quiet", self.main, self._peak_to_peak(self.main) / 2, np.nan, note, self._rest_time(rest))
         y = self.column(main)[self.rows]
         before, after = (float(np.ptp(part)) for part in np.array_split(y, 2))
         grows = after > 2 * before and after > 0.1 * rest[self.main]
         self.waits = breaks is not None and not grows
-        return judgement, self._next_length(breaks, length) if breaks is not None or grows else 0.0
+        return judgment, self._next_length(breaks, length) if breaks is not None or grows else 0.0
 
-    def _judge_oscillation(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgement, float]:
+    def _judge_oscillation(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgment, float]:
         """Hunting or unstable; simulated longer until the oscillation keeps its size."""
         amplitude, period = (float(x) for x in amplitude_and_period(self.t[self.rows], y))
         quarters = [float(np.ptp(part)) for part in np.array_split(y, 4)]
@@ -237,12 +235,12 @@ class _LaneRecord:
         keeps &= spread <= _ALIKE * max(quarters) + _COUNTS * rest and change <= _KEEPS * quarters[0] + _COUNTS * rest
         wanted = 0.0 if keeps else 2 * length
         if self._saturates():
-            return Judgement("unstable", body, amplitude, period, "the oscillation is bounded by saturation"), wanted
+            return Judgment("unstable", body, amplitude, period, "the oscillation is bounded by saturation"), wanted
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
         grows = thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]
         if self.last and grows and cycles > len(thirds):  # a single slip grows as well, and is no oscillation
-            return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted
-        return Judgement("hunting", body, amplitude, period, IRREGULAR if self.last and not keeps else ""), wanted
+            return Judgment("unstable", body, amplitude, period, "the oscillation grows"), wanted
+        return Judgment("hunting", body, amplitude, period, IRREGULAR if self.last and not keeps else ""), wanted
 
     def _next_length(self, breaks: float | None, length: float) -> float:
         """Twice the length, or the time until a cycle after friction may have broken away, s."""

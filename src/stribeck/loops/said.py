@@ -9,9 +9,9 @@ from stribeck.loops import figures
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.excess import BEYOND
-from stribeck.loops.judge import SHORTEST, Judgement
+from stribeck.loops.judge import SHORTEST, Judgment
 from stribeck.loops.loop import controller_of
-from stribeck.loops.starts import Start, distinct_judgements
+from stribeck.loops.starts import Start, distinct_judgments
 from stribeck.mouth.cells import human
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Head, Table
 from stribeck.scenario import said as of_scenario
@@ -37,13 +37,13 @@ _REMEDIES = {
 
 def design(result: Design) -> Document:
     """The document of a :class:`~stribeck.loops.Design`."""
-    judgement = result.judgement
+    judgment = result.judgment
     unit = _unit(result, controller_of(result.loop.scenario, result.controller).body)
     facts = []
     if result.loop.held:
         facts.append(f"held at their value at t = {result.loop.rest:g} s, to judge rest: {', '.join(result.loop.held)}")
-    if judgement.note:
-        facts.append(f"note: {judgement.note}")
+    if judgment.note:
+        facts.append(f"note: {judgment.note}")
     figure = figures.tracking(result.tracked, unit)
     chapters = [_errors(result, unit), *([_boundaries(result)] if result.lines else [])]
     if result.compensations:
@@ -55,8 +55,8 @@ def design(result: Design) -> Document:
         Chapter("plots", "Plots", figures=[figure], on=PAGE),
         of_scenario.file(result.loop.scenario),
     ]
-    body_unit = _unit(result, judgement.body)
-    lead = f"{_headline(judgement, body_unit)}  ({starts_sentence(result.starts, judgement, body_unit)})"
+    body_unit = _unit(result, judgment.body)
+    lead = f"{_headline(judgment, body_unit)}  ({starts_sentence(result.starts, judgment, body_unit)})"
     return Document(result.loop.scenario.name, lead, facts, chapters)
 
 
@@ -96,7 +96,7 @@ def along_sentences(line: PathVerdicts) -> list[str]:
     varied, width = line.turned, float(f"{100 * line.resolution:.1g}")
     missed = f"stretches narrower than {width:g} % of the value may be missed"
     if not line.boundaries and not line.mixed:
-        return [f"{line.judgements[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
+        return [f"{line.judgments[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [
         (b.low, f"{b.below} up to {b.path} = {b.low:.6g}, {b.above} from {b.high:.6g}") for b in line.boundaries
     ]
@@ -170,9 +170,9 @@ def _excess(excess: Excess, unit: str) -> list[str]:
 
 def _starts(result: Design) -> Chapter:
     """The verdict from each of many starts."""
-    unit, rows = _unit(result, result.judgement.body), list[list[Cell]]()
+    unit, rows = _unit(result, result.judgment.body), list[list[Cell]]()
     for s in result.starts:
-        j = s.judgement
+        j = s.judgment
         hunting = j.verdict == "hunting"
         cycle: list[Cell] = [Amount(j.amplitude, unit), Amount(j.period, "s")] if hunting else ["", ""]
         rows.append([s.body, Amount(s.off, unit), Amount(s.speed, unit + "/s"), j.verdict, *cycle])
@@ -187,23 +187,23 @@ def _starts(result: Design) -> Chapter:
     return Chapter("starts", "From many starts", text, [Table(head, rows)], on=PAGE)
 
 
-def starts_sentence(starts: Sequence[Start], judgement: Judgement, unit: str) -> str:
+def starts_sentence(starts: Sequence[Start], judgment: Judgment, unit: str) -> str:
     """A sentence with the starts that end differently from the file's own run."""
     sentences = []
-    for kind in distinct_judgements(list(starts), judgement)[1:]:
-        alike = [s for s in starts if len(distinct_judgements([s], kind)) == 1]
+    for kind in distinct_judgments(list(starts), judgment)[1:]:
+        alike = [s for s in starts if len(distinct_judgments([s], kind)) == 1]
         what = f"hunts, {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
         sentences.append(f"from {len(alike)} of {len(starts)} other starts it {what}")
     return "; ".join(sentences) or f"the same from {len(starts)} other starts"
 
 
-def _headline(j: Judgement, unit: str) -> str:
+def _headline(j: Judgment, unit: str) -> str:
     """The verdict in a few words."""
     text = _VERDICTS[j.verdict]
     return f"{text}: {j.body} oscillates, {_cycle(j, unit)}" if j.verdict == "hunting" else text
 
 
-def _cycle(j: Judgement, unit: str) -> str:
+def _cycle(j: Judgment, unit: str) -> str:
     """The amplitude of a limit cycle and, if it is regular, its period."""
     return f"±{human(j.amplitude, unit)}" + (f", period {human(j.period, 's')}" if j.period == j.period else "")
 

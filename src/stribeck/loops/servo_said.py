@@ -87,7 +87,7 @@ def _lyapunov_figure(along: Along) -> Figure:
     def draw() -> Drawn:
         rows = [["V"]] if along.dV_dt is None else [["V"], ["rate"]]
         figure, axes = plots.figure(rows, 2.2 * len(rows) + 0.4)
-        axes["V"].plot(*plots.thin(along.t, along.V), color=plots.COLOURS[2])
+        axes["V"].plot(*plots.thin(along.t, along.V), color=plots.COLORS[2])
         axes["V"].set(xlabel="t (s)", ylabel="V (J)", title="Lyapunov function along the simulation")
         plots.logarithmic(axes["V"], x=False)
         if along.dV_dt is not None:

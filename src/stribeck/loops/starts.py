@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.judge import Judgment, judge
 from stribeck.loops.loop import Loop, controller_of, rests_at
 from stribeck.loops.moves import Moves, moves_of
 from stribeck.scenario import Scenario
@@ -23,29 +23,29 @@ _ALIKE = 0.1  # amplitudes of cycles that differ by less are one cycle: separate
 
 @dataclass(frozen=True)
 class Start:
-    """A start with constant signals, and its judgement.
+    """A start with constant signals, and its judgment.
 
     Attributes:
         body: the body that is moved.
         off: its distance from the final value of the signals, m or rad.
         speed: its initial speed, m/s or rad/s.
-        judgement: the verdict from this start.
+        judgment: the verdict from this start.
     """
 
     body: str
     off: float
     speed: float
-    judgement: Judgement
+    judgment: Judgment
 
     def row(self) -> dict[str, object]:
         """The result as plain data, for JSON."""
-        j = self.judgement
+        j = self.judgment
         cycle = {"amplitude": j.amplitude, "period": j.period} if j.verdict == "hunting" else None
         return {"body": self.body, "off": self.off, "speed": self.speed, "verdict": j.verdict, "limit_cycle": cycle}
 
 
 def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | None = None) -> list[Start]:
-    """The judgement from each of many starts, in lanes.
+    """The judgment from each of many starts, in lanes.
 
     The controllers' signals are constant at their final values from t = 0 on; integrals are empty. One body starts
     differently, both ways each:
@@ -70,20 +70,20 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
             y = share * last + (share * off if body in (main, name) else 0.0)
             lanes[f"bodies.{name}.initial.y"].append(y)
             lanes[f"bodies.{name}.initial.v"].append(share * speed)
-    judgements = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
-    return [Start(body, off, speed, j) for (body, off, speed), j in zip(start_points, judgements, strict=True)]
+    judgments = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
+    return [Start(body, off, speed, j) for (body, off, speed), j in zip(start_points, judgments, strict=True)]
 
 
-def distinct_judgements(starts: list[Start], judgement: Judgement) -> list[Judgement]:
+def distinct_judgments(starts: list[Start], judgment: Judgment) -> list[Judgment]:
     """The different outcomes of the file's own run and of all starts: one of each verdict and of each cycle's size."""
-    different: list[Judgement] = []
-    for j in (judgement, *(start.judgement for start in starts)):
+    different: list[Judgment] = []
+    for j in (judgment, *(start.judgment for start in starts)):
         if not any(_same_outcome(j, other) for other in different):
             different.append(j)
     return different
 
 
-def _same_outcome(a: Judgement, b: Judgement) -> bool:
+def _same_outcome(a: Judgment, b: Judgment) -> bool:
     if a.verdict != b.verdict or a.verdict != "hunting":
         return a.verdict == b.verdict
     return abs(a.amplitude - b.amplitude) <= _ALIKE * max(a.amplitude, b.amplitude)

@@ -127,7 +127,7 @@ class Draft:
         return replace(machine, controllers=Frozen(controllers))
 
     def _wire(self) -> None:
-        """Names of other elements, and what elements say of their neighbours."""
+        """Names of other elements, and what elements say of their neighbors."""
         for each in self.machine:
             if missing := list(self._missing(each)):
                 self.problems += missing

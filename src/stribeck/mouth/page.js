@@ -149,8 +149,8 @@ function read(svg) {
       known.set(panel, panel.lines.flatMap(([id, label]) => {
         const element = document.getElementById(`${name}-${id}`), all = element ? points(element) : [];
         const real = all.filter(Boolean), rising = real.length > 2 && real.length === all.length - 1 && real.every((p, i) => !i || p[0] >= real[i - 1][0]);
-        const colour = element && getComputedStyle(element.querySelector("path:not(defs path), use") ?? element);
-        return label || (real.length > 2 && panel.lines.every((each) => !each[1])) ? [{ label, all, rising, colour: colour && (colour.stroke === "none" ? colour.fill : colour.stroke) }] : [];
+        const color = element && getComputedStyle(element.querySelector("path:not(defs path), use") ?? element);
+        return label || (real.length > 2 && panel.lines.every((each) => !each[1])) ? [{ label, all, rising, color: color && (color.stroke === "none" ? color.fill : color.stroke) }] : [];
       }));
     }
     return known.get(panel);
@@ -179,7 +179,7 @@ function read(svg) {
     const own = curves(panel).flatMap((curve) => (curve.rising ? crossing(curve, panel.box, ...p) : nearest(curve, panel.box, p)) ?? []).sort((a, b) => a.far - b.far);
     if (!own.length) return { words: [[said(panel.x, value(panel, "x", p))], [said(panel.y, value(panel, "y", p))]] };
     const rows = own[0].curve.rising ? own.filter((each) => each.curve.rising).slice(0, 8) : own.slice(0, 1), many = curves(panel).length > 1;
-    const words = rows.map((each) => [many && each.curve.label ? `${each.curve.label}: ${said(panel.y, value(panel, "y", each.p)).split(" = ").pop()}` : said(panel.y, value(panel, "y", each.p)), many ? each.curve.colour : ""]);
+    const words = rows.map((each) => [many && each.curve.label ? `${each.curve.label}: ${said(panel.y, value(panel, "y", each.p)).split(" = ").pop()}` : said(panel.y, value(panel, "y", each.p)), many ? each.curve.color : ""]);
     return { words: [[said(panel.x, value(panel, "x", own[0].p))], ...words], mark: own[0] };
   };
   const show = (x, y) => {
@@ -189,12 +189,12 @@ function read(svg) {
     mark.remove();
     if (found.mark) {
       mark.setAttribute("cx", found.mark.p[0]); mark.setAttribute("cy", found.mark.p[1]); mark.setAttribute("r", 3);
-      mark.style.stroke = found.mark.curve.colour;
+      mark.style.stroke = found.mark.curve.color;
       home.append(mark);
     }
-    tip.replaceChildren(...found.words.map(([text, colour]) => {
+    tip.replaceChildren(...found.words.map(([text, color]) => {
       const row = Object.assign(document.createElement("div"), { textContent: text });
-      if (colour) row.style.borderLeft = `3px solid ${colour}`;
+      if (color) row.style.borderLeft = `3px solid ${color}`;
       return row;
     }));
     tip.hidden = false;

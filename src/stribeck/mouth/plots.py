@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Okabe and Ito's colours, which colour-blind readers tell apart; lines also differ in their dashes.
-COLOURS = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+# Okabe and Ito's colors, which color-blind readers tell apart; lines also differ in their dashes.
+COLORS = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES: tuple[object, ...] = (
     "-",
     (0, (5, 1.5)),
@@ -32,7 +32,7 @@ DASHES: tuple[object, ...] = (
     (0, (1, 3)),
     (0, (10, 3)),
 )
-GREY = "#808080"
+GRAY = "#808080"
 _STYLE: dict[str, Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["Helvetica", "Arial", "DejaVu Sans"],
@@ -186,9 +186,9 @@ def plain(text: str, longest: int = _LONGEST) -> str:
 
 
 def line(axis: Axes, i: int, x: ArrayLike, y: ArrayLike, label: str, **options: Any) -> None:
-    """The figure's line number ``i``: its colour and dashes follow from the number."""
+    """The figure's line number ``i``: its color and dashes follow from the number."""
     style: dict[str, Any] = {
-        "color": COLOURS[i % len(COLOURS)],
+        "color": COLORS[i % len(COLORS)],
         "linestyle": DASHES[i % len(DASHES)],
         "label": plain(label),
     }

@@ -185,7 +185,7 @@ def _curve(law: Law) -> Figure:
             force = np.asarray(law.steady_force(v))
             of_v = scale([Quantity("v", units[0], "", v)], plain=name == "near")
             of_F = scale([Quantity("F", units[1], "", np.append(force, 0.0))])
-            axes[name].plot(of_v.of(v), of_F.of(force), color=plots.COLOURS[2])
+            axes[name].plot(of_v.of(v), of_F.of(force), color=plots.COLORS[2])
             axes[name].set(xlabel=of_v.label, ylabel=of_F.label)
         plots.logarithmic(axes["near"], y=False)
         axes["wide"].set_title("constant speeds")
@@ -251,7 +251,7 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
             for words, unit_of, quantity in amounts
         ]
         tables.append(Table(["cost", *costs], price))
-    figure = Figure("steepness", "Each error against k_v; grey: tolerance.", lambda: errors_against_k_v(by_law))
+    figure = Figure("steepness", "Each error against k_v; gray: tolerance.", lambda: errors_against_k_v(by_law))
     return Chapter("steepness", "The smallest k_v", tables=tables, figures=[figure])
 
 
@@ -282,8 +282,8 @@ def errors_against_k_v(by_law: Mapping[str, Steepness]) -> Drawn:
                 k_v, measure = zip(*points, strict=True)
                 plots.line(axis, n, k_v, measure, law)
             if requirement.k_v and requirement.achieved:
-                axis.plot([requirement.k_v], [requirement.achieved], "o", color=plots.COLOURS[n], markersize=5)
-        axis.axhline(wanted.tolerance, color=plots.GREY, linewidth=0.8)
+                axis.plot([requirement.k_v], [requirement.achieved], "o", color=plots.COLORS[n], markersize=5)
+        axis.axhline(wanted.tolerance, color=plots.GRAY, linewidth=0.8)
         plots.logarithmic(axis)
         axis.set(xlabel=f"k_v ({'s/rad' if first.rotary else 's/m'})", title=wanted.name)
         quantity = wanted.name.partition(" ")[0]  # the creep, or an error; the title has the rest

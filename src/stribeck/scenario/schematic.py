@@ -23,7 +23,7 @@ svg{font:13px sans-serif} .n{font-weight:bold} .s{font-size:11px;fill:#333}
 
 
 def number(x: float) -> str:
-    """A number in as many digits as tell it from its neighbours."""
+    """A number in as many digits as tell it from its neighbors."""
     return f"{x:.4g}"
 
 

@@ -212,9 +212,9 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     numbers = {label: i for i, label in enumerate(shown)}
     for i, other in enumerate(beside):
         x = first[panel.x].values
-        colour, dashes = (plots.COLOURS[1 + i], plots.DASHES[1 + i]) if panel.alone else (plots.GREY, plots.DASHES[0])
+        color, dashes = (plots.COLORS[1 + i], plots.DASHES[1 + i]) if panel.alone else (plots.GRAY, plots.DASHES[0])
         axis.plot(
-            *plots.thin(x_scale.of(x), y_scale.of(other.values[: len(x)])), color=colour, linestyle=dashes, label=other.name,
+            *plots.thin(x_scale.of(x), y_scale.of(other.values[: len(x)])), color=color, linestyle=dashes, label=other.name,
             linewidth=1.0, zorder=2.5 if panel.alone else 1.5,
         )  # fmt: skip
     for label, q in lines.items():
@@ -230,7 +230,7 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         beside_gaps = np.append(far, False) | np.insert(far, 0, False)
         if beside_gaps.any():
             dots = (plots.drawable(values[beside_gaps]) for values in given)
-            axis.plot(*dots, ".", markersize=2.0, color=plots.COLOURS[numbers[label] % len(plots.COLOURS)])
+            axis.plot(*dots, ".", markersize=2.0, color=plots.COLORS[numbers[label] % len(plots.COLORS)])
     axis.set(
         xlabel=x_scale.label,
         ylabel=y_scale.label,

@@ -38,7 +38,7 @@ class Curve(Signal):
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:
-        """The coefficients between neighbouring points, lowest first, as rows of eight."""
+        """The coefficients between neighboring points, lowest first, as rows of eight."""
         raise NotImplementedError
 
     @staticmethod

@@ -187,9 +187,9 @@ def test_errors_of_a_sensor_act_through_the_guide_too(what, error, white):
     def problem(y):
         guides = Guides(scenario, [(0, recording(u, y))])
         guided = guides.at(guides.bandwidths[-4])  # a stiff one would see the jumps of the acceleration
-        coloured = {} if white else {"arm.y": np.array([2.0, -1.0])}
+        colored = {} if white else {"arm.y": np.array([2.0, -1.0])}
         return problem_of(
-            guided.scenario, guided.recordings, sought, {"arm.y": NOISE}, guide=guided.prefix, whitening=coloured
+            guided.scenario, guided.recordings, sought, {"arm.y": NOISE}, guide=guided.prefix, whitening=colored
         )
 
     small = 1e-4 / abs(error(y)).max()

@@ -23,7 +23,7 @@ KNOWN = {"k_v": 1e4, "sigma_0": 2e4, "sigma_1": 60.0, "v_s": 0.02, "F_s": 1.3, "
 
 
 def correlation(x):
-    """The correlation of neighbouring samples."""
+    """The correlation of neighboring samples."""
     return float(x[1:] @ x[:-1] / (x @ x))
 
 
@@ -72,7 +72,7 @@ def test_a_noisy_drive_costs_little_accuracy(pushed, monkeypatch):
 
 
 @pytest.mark.thorough
-def test_a_second_estimate_enters_the_interval_where_the_residual_is_coloured(pushed, monkeypatch):
+def test_a_second_estimate_enters_the_interval_where_the_residual_is_colored(pushed, monkeypatch):
     asked = FitOptions(method="dynamic", output="position", starts=1, constants=KNOWN)
     second = simulated(pushed, "lugre_majorant", asked).best.under_guide
     assert second.keys() == {"F_c", "mass", "offset"}
@@ -93,10 +93,10 @@ def at(F_c):
 
 
 def test_a_large_residual_is_no_noise():
-    for F_c, coloured in ((1.02, True), (4.0, False)):
+    for F_c, colored in ((1.02, True), (4.0, False)):
         problem, u = at(F_c)
         residuals.weigh(problem, u)
-        assert problem.coloured is coloured
+        assert problem.colored is colored
     assert problem.residuals(u[None]) == pytest.approx(problem.plain(u[None]))
 
 

@@ -36,10 +36,10 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
-    from stribeck.identify import text
+    from stribeck.identify import said
 
     fit = stribeck.fit(record(1), "coulomb_viscous")
-    monkeypatch.setattr(text, "_model", lambda fit: {}["time"])
+    monkeypatch.setattr(said, "_model", lambda fit: {}["time"])
     with pytest.warns(Warning, match="could not be drawn"):
         assert fit.save(tmp_path) == ["parameters.toml", "fit.json"]
     assert stribeck.Fit.load(tmp_path).predict(record(2)).force_error < 0.2

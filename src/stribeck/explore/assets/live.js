@@ -1,5 +1,5 @@
 // While a slider moves, curves are drawn on a plain canvas over each chart's frame, on the axes that the chart has; the
-// charts themselves (axes, tools, hover) follow when the hand rests. The same sources, glyphs and colours serve both.
+// charts themselves (axes, tools, hover) follow when the hand rests. The same sources, glyphs and colors serve both.
 "use strict";
 const REST = 60; // ms without a new run after which the charts are drawn
 const PAINTED = 50; // ms after which BokehJS has painted what it was given
@@ -61,7 +61,7 @@ const scale = (range, log, from, to) => { // data -> pixels
   const f = log ? Math.log : (x) => x, start = f(range.start), rate = (to - from) / (f(range.end) - start);
   return log ? (x) => from + rate * (Math.log(x) - start) : (x) => from + rate * (x - start);
 };
-const plain = (x) => x?.value ?? x; // a colour or a size, as BokehJS keeps it
+const plain = (x) => x?.value ?? x; // a color or a size, as BokehJS keeps it
 
 function live(name, result, ghost) { // told: whether the chart is in sight, and drawn
   const found = shape(name);
@@ -82,8 +82,8 @@ function live(name, result, ghost) { // told: whether the chart is in sight, and
   return true;
 }
 
-function grid(pen, figure, [across, up], width, height, colour) {
-  pen.strokeStyle = colour;
+function grid(pen, figure, [across, up], width, height, color) {
+  pen.strokeStyle = color;
   pen.lineWidth = 1;
   pen.beginPath();
   const ticks = (axis, range) => axis.ticker.get_ticks(range.start, range.end, range, NaN).major;

@@ -32,15 +32,15 @@ async function panels() {
   quick();
   keyboard();
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  dark.addEventListener("change", colours);
-  colours();
+  dark.addEventListener("change", colors);
+  colors();
   if (matchMedia("(pointer: coarse)").matches) {
     for (const figure of figures()) figure.toolbar.active_drag = null; // a finger scrolls the page
   }
 }
 const figures = () => Object.keys(data.panels).map(model);
 
-function colours() {
+function colors() {
   const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink").trim();
   const soft = style.getPropertyValue("--soft").trim(), line = style.getPropertyValue("--line").trim();
   const paper = style.getPropertyValue("--paper").trim();

@@ -185,7 +185,7 @@ def _c_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers for an initialiser in C, a few on each line; never none."""
+    """Numbers for an initializer in C, a few on each line; never none."""
     texts = [_number(float(x)) for x in values] or ["0"]
     lines = [", ".join(texts[i : i + 6]) for i in range(0, len(texts), 6)]
     return ",\n    ".join(lines)

@@ -76,7 +76,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component i) { UNUSED(i); return fmi2
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component i)
 {
-    MODEL(i)->initialised = 1;
+    MODEL(i)->initialized = 1;
     return checked(i);
 }
 
@@ -175,7 +175,7 @@ fmi2Status fmi2DoStep(fmi2Component i, fmi2Real point, fmi2Real step, fmi2Boolea
 {
     const char *problem;
     UNUSED(noSet);
-    if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
+    if (!MODEL(i)->initialized) return fail(i, "the instance is not initialized");
     if (checked(i) != fmi2OK) return fmi2Error;
     if (!isfinite(point + step)) return fail(i, "the communication point or the step is not finite");
     MODEL(i)->time = point;

@@ -91,7 +91,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean toleranceDefi
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance i)
 {
-    MODEL(i)->initialised = 1;
+    MODEL(i)->initialized = 1;
     return checked(i);
 }
 
@@ -292,7 +292,7 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 point, fmi3Float64 step, fmi3B
     UNUSED(noSet);
     *event = *terminate = *early = fmi3False;
     *last = point;
-    if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
+    if (!MODEL(i)->initialized) return fail(i, "the instance is not initialized");
     if (checked(i) != fmi3OK) return fmi3Error;
     if (!isfinite(point + step)) return fail(i, "the communication point or the step is not finite");
     MODEL(i)->time = point;

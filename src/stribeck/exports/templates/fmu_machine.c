@@ -15,7 +15,7 @@
 typedef struct {
     {{ P }}_machine s;
     double o[{{ P | upper }}_COLUMNS], rate[STATES], time, tolerance;
-    int initialised, known; /* known: o and rate are of the present state */
+    int initialized, known; /* known: o and rate are of the present state */
 } Model;
 
 typedef struct {

@@ -19,7 +19,7 @@ typedef struct {
     {{ P }}_load load;
 {% endif %}
     double mass, input, x[STATES + 1], time, tolerance, h;
-    int initialised;
+    int initialized;
 } Model;
 
 typedef struct {

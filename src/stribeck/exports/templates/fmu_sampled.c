@@ -18,7 +18,7 @@ typedef struct {
     {{ P }}_{{ input }} in;
     {{ P }}_output out;
     double x[STATES + 1], time, tolerance;
-    int initialised;
+    int initialized;
 } Model;
 
 typedef struct {

@@ -108,7 +108,7 @@ int {{ P }}_steady_force({{ call.declared }}, {{ P }}_real v, {{ P }}_real *forc
 int {{ P }}_step({{ call.declared }}, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
 
 /* Friction compensation: the {{ w("force") }} in {{ u("N") }} to add to the drive's, c->gain times the friction after one sample at v ({{ u("m/s") }}).
- * With v the reference velocity it is a feedforward, and cannot destabilise the loop; with v measured it also acts on
+ * With v the reference velocity it is a feedforward, and cannot destabilize the loop; with v measured it also acts on
  * what the reference does not know, but a gain of 1 leaves no margin: an F_s or F_c set too high makes it hunt. */
 int {{ P }}_compensate({{ call.declared }}, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
     {{ P }}_real *force);

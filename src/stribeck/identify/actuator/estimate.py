@@ -35,7 +35,7 @@ class BestPoint:
 
     Attributes:
         guides: of the fitted recordings; ``bandwidth``: of the guide, rad/s, 0 without one.
-        under_guide: if the residual is coloured, by name the coordinates of a second estimate, under the stiffest guide,
+        under_guide: if the residual is colored, by name the coordinates of a second estimate, under the stiffest guide,
             and their deviations.
     """
 
@@ -142,7 +142,7 @@ def estimate(
         return free
     best = _as_free_as_possible(begun, near, free)
     best = _weighted(best)
-    if best.problem.coloured and not best.stopped:
+    if best.problem.colored and not best.stopped:
         try:
             best.under_guide = search_.under_guide(near)
         except (KeyboardInterrupt, Stopped):
@@ -187,16 +187,16 @@ def _as_free_as_possible(
 
 
 def _weighted(best: BestPoint) -> BestPoint:
-    """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is coloured."""
+    """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is colored."""
     problem = best.problem
     try:
         for _ in range(_WEIGHTINGS):
             if best.stopped or half_squares(problem.residuals(best.u[None]))[0] > 1e200:
                 break
             best.u = settled(problem, best.u)
-            old, plain = problem.deviations(), not problem.coloured
+            old, plain = problem.deviations(), not problem.colored
             weigh(problem, best.u)
-            if plain and problem.coloured:  # drift has hidden other minima
+            if plain and problem.colored:  # drift has hidden other minima
                 best.u = moved_over(problem, best.u)
             if all(abs(np.log(new / old[c])) < _SETTLED for c, new in problem.deviations().items()):
                 break

@@ -73,7 +73,7 @@ def judged(
         estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
     levels = {n: estimates.pop(n) for n in lib.friction.speeds}
     # a missing effect repeats itself from sample to sample: prediction errors hardly contain it
-    plain = regressed(problem.without_whitening(), u, words) if problem.coloured else choice
+    plain = regressed(problem.without_whitening(), u, words) if problem.colored else choice
     notes = [*_explained(plain), *dependences(estimates)]
     return JudgedParameters(estimates, levels, lib.friction.speeds, _groups(names, relation), (names, relation), notes)
 

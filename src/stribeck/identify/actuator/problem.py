@@ -71,7 +71,7 @@ class MachineProblem:
 
     def whitened(self, r: Array) -> Array:
         """Plain residuals as prediction errors. The first samples of a run, which have no past, stay as they are."""
-        if not self.coloured:
+        if not self.colored:
             return r
         r = r.copy()
         for _, target, rows in self.pieces:
@@ -82,7 +82,7 @@ class MachineProblem:
         return r
 
     @property
-    def coloured(self) -> bool:
+    def colored(self) -> bool:
         """Whether past residuals predict some of the next."""
         return any(len(x) > 1 for x in self.whitening.values())
 

@@ -1,6 +1,6 @@
 """Prediction errors: residuals less what their own past predicts.
 
-The error of a simulated position integrates the errors of the measured force. It drifts, and neighbouring samples repeat it.
+The error of a simulated position integrates the errors of the measured force. It drifts, and neighboring samples repeat it.
 Least squares then weights slow errors too much. An autoregressive model of the residual takes out what is predicted
 (Ljung, System Identification, 1999, section 3.2), and what is left is white.
 """

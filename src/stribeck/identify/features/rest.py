@@ -33,7 +33,7 @@ def at_rest(log: Log) -> Mask:
         if count < _WINDOWS:
             continue
         v = log.velocity[rows][: count * window].reshape(count, window)
-        peak, mean = np.max(abs(v), axis=1), _with_neighbours(np.mean(v, axis=1))
+        peak, mean = np.max(abs(v), axis=1), _with_neighbors(np.mean(v, axis=1))
         limit = min(_NOISES * noise, _SLOW * fastest)
         still = (peak <= limit) & (abs(mean) <= _NOISES * noise / np.sqrt(window) + noise / 3)
         still |= peak == 0
@@ -58,7 +58,7 @@ def _at_an_edge(rest: Mask, v: Array, limit: float, window: int) -> None:
     rest[: int(resting[-1]) if len(resting) else 0] = True
 
 
-def _with_neighbours(mean: Array) -> Array:
+def _with_neighbors(mean: Array) -> Array:
     """The mean over three consecutive windows: filtered noise hardly changes within one, so one mean is too noisy."""
     padded = np.concatenate([mean[:1], mean, mean[-1:]])
     return np.asarray((padded[:-2] + padded[1:-1] + padded[2:]) / 3)

@@ -17,7 +17,7 @@ from stribeck.identify.log import ENOUGH_ROWS, Log
 Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted: what is cut off is 3 % of its deviation
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
-MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbours behind the filter are alike
+MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbors behind the filter are alike
 BLOCKS = 24  # of time: the jackknife's variance is then known to 15 %, and most blocks still hold a reversal
 _SHORTEST_BLOCK = 600  # rows of a stretch of a long run
 _FEW_ROWS = 400  # that are compared: fewer do not show a bend of the curve

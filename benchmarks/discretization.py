@@ -1,7 +1,7 @@
 """A law in discrete time, at 0.1, 1 and 4 ms: the exported C, MuJoCo's own dcmotor and the exported callbacks in MuJoCo.
 
 Accuracy in stick-slip and at break-away, energy that the method takes or makes, drift under a load below break-away, and the
-time of a step, beside Stribeck's own simulation. The results are discretisation.json and, of MuJoCo's ways, in_mujoco.json.
+time of a step, beside Stribeck's own simulation. The results are discretization.json and, of MuJoCo's ways, in_mujoco.json.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def measure(known: dict[str, dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def main() -> None:
     """Measure; write and print the results of all ways, and those of MuJoCo's."""
-    given = options(__doc__, "discretisation")
+    given = options(__doc__, "discretization")
     known = {name: references(law) for name, law in LAWS.items()}
     rows = []
     for row in measure(known):
