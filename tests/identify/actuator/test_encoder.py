@@ -7,7 +7,7 @@ from stribeck import Scenario
 from stribeck.identify.actuator import fit_machine
 from stribeck.identify.actuator.guides import CARRIED, Guides
 from stribeck.identify.actuator.recordings import Channel, Recording
-from tests.identify.actuator.recorded import body, logs
+from tests.identify.actuator.recorded import body, logs, record
 from tests.shared import SHARED
 
 SERVO = SHARED / "data" / "servo-motor"
@@ -60,3 +60,19 @@ def test_a_closed_loop_tells_its_friction_by_position(tmp_path):
     for name in list(TRUTH)[:3]:  # the inertia and both levels
         low, high = result.estimates[name].interval
         assert high < 1.2 * low
+
+
+def test_a_rough_command_is_no_noise(tmp_path):
+    """It is recorded as it was. As noise it would leave a far larger residual than it does."""
+    machine = body(amplitude=5.0, step=0.0025)
+    push = machine["loads"]["push"]["signal"]
+    push["value"] = (np.array(push["value"]) + 0.5 * np.random.default_rng(5).standard_normal(len(push["t"]))).tolist()
+    record(tmp_path / "a.csv", machine)
+    wanted = {
+        "contacts.guide.law.parameters.F_c": {"low": 0.1, "high": 10.0},
+        "bodies.a.mass": {"low": 0.2, "high": 5.0},
+    }
+    result = fit_machine(body(), logs(tmp_path, ["a.csv"], wanted), starts=1, baselines=False)
+    for name in wanted:
+        low, high = result.estimates[name].interval
+        assert low < 1.0 < high < 1.01 * low

@@ -32,8 +32,18 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     draws: list[Array | None] = [*_fitted_again(problem, u, J)]
     pilot = _by_noise(problem, u, _PILOT)
     if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
-        draws.append(_by_noise(problem, u, _DRAWS))
+        noise = _by_noise(problem, u, _DRAWS)
+        draws.append(None if noise is None else noise * _possible(noise, r, J))
     return [x for x in draws if x is not None and np.isfinite(x).all()]
+
+
+def _possible(changes: Array, r: Array, J: Array) -> float:
+    """The share of drawn changes that the residual allows.
+
+    The command of a controller on an encoder is as rough as noise, and is none: as noise it would leave a larger residual.
+    """
+    left = changes - np.linalg.lstsq(J, changes.T, rcond=None)[0].T @ J.T
+    return min(1.0, float(np.sqrt((r @ r) / np.mean(np.sum(left**2, axis=1)))))
 
 
 def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
