@@ -233,11 +233,11 @@ def test_a_guide_can_be_followed(page, tmp_path, monkeypatch, capfd):
                     if shutil.which("cc") is None:
                         pytest.skip("no C compiler")
                     subprocess.run(words, check=True)
-            printed += plain(" ".join(capfd.readouterr()))
         elif language == "text" and not re.match(r" *(stribeck|arm-none)", block):
             assert not (missing := [line for line in block.splitlines() if plain(line) not in printed]), missing
         elif language == "python" and ("import torch" not in block or find_spec("torch")):
             exec(compile(block, page.name, "exec"), {"__name__": page.stem})
+        printed += plain(" ".join(capfd.readouterr()))
 
 
 def plain(text):
