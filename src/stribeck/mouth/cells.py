@@ -62,7 +62,10 @@ def percent(share: float | None, places: int | None = None) -> str:
     """A share as a percentage with three digits, or with so many places."""
     if share is None or not math.isfinite(share):
         return "-"
-    return f"{significant(100 * share, 3)} %" if places is None else f"{100 * share:.{places}f} %"
+    if places is not None:
+        return f"{100 * share:.{places}f} %"
+    text = significant(100 * share, 3)
+    return f"{float(text):.7g} %" if "e+" in text else f"{text} %"  # 4460 rather than 4.46e+03
 
 
 def in_places(x: float, value: float, interval: tuple[float, float]) -> str:
