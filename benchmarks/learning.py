@@ -230,7 +230,7 @@ ENGINES: dict[str, Any] = {
 }
 
 
-def behaviour(make: Any, step: float, seconds: float) -> dict[str, float]:
+def behavior(make: Any, step: float, seconds: float) -> dict[str, float]:
     """Creep under 0.9 N m, m/s; the load at which it moves by 0.1 mm on a ramp, N; energy drawn in 4 s of the sine, J."""
     rig = make(step)
     q = [rig(drive("hold", k * step))[0] for k in range(round((2 + seconds) / step))]
@@ -303,7 +303,7 @@ def main() -> None:
         row: dict[str, Any] = {"engine": name}
         for step in STEPS:
             seconds = given.seconds if "this law" in name else min(10.0, given.seconds)  # theirs creep evenly
-            row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
+            row[f"{step:g}"] = {**behavior(make, step, seconds), "held": seconds}
         rows.append(row)
         say(str(row))
     many = {name: make for name, make in ENGINES.items() if name != "MuJoCo, frictionloss"}

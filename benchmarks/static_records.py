@@ -309,7 +309,7 @@ def contacts(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
 
 
 def bristles(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
-    """Bristles that bend by up to a millimetre before they slide (LuGre; without a Stribeck bend, Dahl)."""
+    """Bristles that bend by up to a millimeter before they slide (LuGre; without a Stribeck bend, Dahl)."""
     v, dt = at[1], OTHER_STEP / WITHIN
     bend = float(np.exp(draw.uniform(np.log(1e-5), np.log(1e-3))))
     g, z, out = bend * stribeck_curve(m, v) / m["F_c"], 0.0, np.empty(len(v))

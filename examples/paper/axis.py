@@ -28,7 +28,7 @@ _SHARE = 0.8
 
 
 def _machine() -> dict[str, object]:
-    """A slide of 8 kg on a guide, under a sampled controller with an encoder of a micrometre."""
+    """A slide of 8 kg on a guide, under a sampled controller with an encoder of a micrometer."""
     return {
         "schema": 2, "name": "slide",
         "bodies": {"slide": {"mass": 8.0}},

@@ -105,7 +105,7 @@ def unbounded() -> Printed:
         return finish(
             built, "evidence_unbounded",
             "The first smooth law unwinds its bristles by v S_0(v) <= |v|, which is too little. At a constant slow speed, z "
-            "grows within a fraction of a millimetre to any multiple of the bound that the other laws keep.",
+            "grows within a fraction of a millimeter to any multiple of the bound that the other laws keep.",
         )  # fmt: skip
 
 

@@ -94,7 +94,7 @@ def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Tabl
          f"elastoplastic_majorant is {result('elastoplastic_majorant', 'bounded', 'smooth', 'drift_free')}",
          "possible", f"stribeck check elastoplastic_majorant {_HERE} --set z_ba=7e-6 --set v_d=0.02"],
     ]  # fmt: skip
-    return Table(["the paper", "found", "verdict", "replay"], rows, prose=True)
+    return Table(["the paper", "computed", "verdict", "replay"], rows, prose=True)
 
 
 def _storage(made: Mapping[str, Law]) -> Printed:

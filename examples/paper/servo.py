@@ -335,7 +335,7 @@ def _adapting(adapted: dict[str, Solution]) -> Printed:
         plots.legend(built, axes["e"])
         return finish(
             built, "servo_adaptive",
-            "All of sigma_0, sigma_1, sigma_2, F_c and F_s start 50 % too low or too high. F_c is found first, as every reversal "
-            "shows it; sigma_1 last, as it acts only within millimetres of a reversal. On the moves sigma_0 and sigma_1 act in "
-            "the same instants, at the start and end of a move: they stand in for each other and part slowly.",
+            "All of sigma_0, sigma_1, sigma_2, F_c and F_s start 50 % too low or too high. F_c converges first, because every "
+            "reversal shows it. sigma_1 converges last, because it acts only within millimeters of a reversal. On the moves, "
+            "sigma_0 and sigma_1 act only at the start and the end of a move. They are confounded there and separate slowly.",
         )  # fmt: skip

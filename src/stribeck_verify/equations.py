@@ -16,7 +16,6 @@ from stribeck_verify import intervals
 from stribeck_verify.expressions import Json, Node, Refused, name, names, node, number
 from stribeck_verify.identities import Normal
 
-_VARIABLES = ("v", "z", "dz_dt", "pi")
 _ROUNDING = fmpq(1, 2**50)  # of a Z that is no rational function of the constants
 
 

@@ -8,7 +8,7 @@ from stribeck import Scenario, simulate
 
 
 def law(name="lugre_majorant", **changes):
-    """A friction law of some newtons, milli- and micrometres."""
+    """A friction law of some newtons, milli- and micrometers."""
     own = {"k_v": 1e5} if name != "lugre" else {}
     own |= {"z_ba": 2e-5} if name.startswith("elastoplastic") else {}
     p = {"sigma_0": 2e4, "sigma_1": 60.0, "sigma_2": 1.5, "F_c": 1.0, "F_s": 1.4, "v_s": 0.02}

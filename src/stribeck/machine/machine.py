@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 INITIAL = "initial"  # in the place of the owner of a constant: where a state starts
 _IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
-# Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
+# Natural magnitudes where no contact says any: a millimeter (milliradian) and its tenfold in a second.
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
 

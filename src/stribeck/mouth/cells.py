@@ -8,14 +8,14 @@ from stribeck.errors import unbroken
 from stribeck.mouth.document import Amount, Cell, Ends, Head, Share, Table, Uncertain
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
-_NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot
+_NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometers, kiloseconds or kiloradians off a plot
 _PREFIXED = (*_NOT_ABOVE_ONE, "N", "Pa", "J", "W", "A", "Hz")
 _EXACT = 1e-12  # relative: what a factor of a unit or of percent leaves of a number that was short
 _LEAST = 0.5  # what the largest number of an axis is at least, in its unit
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
-    """The factor and the unit in which numbers up to ``largest`` are short: mm for what is below half a metre."""
+    """The factor and the unit in which numbers up to ``largest`` are short: mm for what is below half a meter."""
     base = unit.partition("/")[0].partition(" ")[0].partition("^")[0]
     if base not in _PREFIXED or not 0 < largest < math.inf:
         return 1.0, unit

@@ -106,7 +106,7 @@ const tip = document.body.appendChild(Object.assign(document.createElement("div"
 tip.setAttribute("role", "status");
 const short = (v) => { const n = Number(v.toPrecision(4)), size = Math.abs(n); return (n && (size < 1e-3 || size >= 1e6) ? n.toExponential() : String(n)).replaceAll("-", "\u2212"); };
 const POWERS = { p: -12, n: -9, "\u00b5": -6, m: -3, "": 0, k: 3, M: 6, G: 9 };
-function united(value, unit) { // in the prefix that keeps the number short; no kilometres, kiloseconds
+function united(value, unit) { // in the prefix that keeps the number short; no kilometers, kiloseconds
   const [, prefix, base, rest] = /^([pn\u00b5mkMG]?)(m|s|N|J|V|Pa|rad|W|A|Hz)((?:[ /].*)?)$/.exec(unit) ?? [];
   if (!base || !value) return `${short(value)}${unit ? ` ${unit}` : ""}`;
   const si = value * 10 ** POWERS[prefix], known = Object.entries(POWERS).filter(([, power]) => power <= 0 || !["m", "s", "rad", "V"].includes(base)).reverse();

@@ -36,7 +36,7 @@ def test_other_noise_of_an_encoder_is_none_at_rest(step):
 
 @pytest.mark.thorough
 @pytest.mark.skipif(not SERVO.is_dir(), reason="needs shared/data/servo-motor, which is not part of the project")
-def test_a_closed_loop_tells_its_friction_by_position(tmp_path):
+def test_a_closed_loop_identifies_its_friction_by_position(tmp_path):
     """Its free simulation drifts by revolutions, and a loose guide leaves it a hundred encoder steps off."""
     law = {"name": "lugre", "parameters": FIRST}
     still = {"kind": "points", "t": [0.0, 20.0], "value": [0.0, 0.0]}

@@ -15,7 +15,7 @@ B0. LuGre's f is Lipschitz in z and grows linearly: unique. f sgn z <= |v| (1 - 
 B1. Passive, with W = sigma_0 z^2/2: D0 = F v - W' f = v^2 (sigma_1 (1 - r) + sigma_2) + g_N |v| r^2
     >= 50 v^2 + g_N |v| r^2 for |z| <= Z. An added force h has D = D0 + h v; h v >= 0 keeps the law passive.
 B2. For unrestricted z no law with LuGre's f at large |v|, sigma_1 = sigma_2 and F = sigma_0 z + sigma_1 f + sigma_2 v is passive:
-    from r > 2 a pulse at v draws |F v/f| = v (100 r - 200)/(r - 1) - O(1) J for each metre of z, without limit in v.
+    from r > 2 a pulse at v draws |F v/f| = v (100 r - 200)/(r - 1) - O(1) J for each meter of z, without limit in v.
 B3. A held v takes z to where f = 0, g sgn v for LuGre; F v < 0 there draws energy for ever: not passive.
 B4. An added force h(z) with LuGre's f: S = W + integral of h has D = D0 + h z |v|/g >= 50 v^2 + (|v| z/g)(sigma_0 z + h):
     passive if z (sigma_0 z + h) >= 0 on |z| <= Z. If it is < 0 on an interval within |z| < Z the law is not passive: to

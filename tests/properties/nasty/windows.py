@@ -45,7 +45,7 @@ def DampingInAWindowOfRate(p, v, z, dz_dt):
 def RateWindowOfZ(p, v, z):
     """f = v - c |v| z/g with c = -1 for 0.90 Z < |z| < 0.92 Z, else 1: in the window f = v (1 + r). Winding
     slowly there costs sigma_0 z/(1 + u), and unwinding slowly, f = v (1 - u), gives sigma_0 z/(1 - u), each
-    metre, more: not passive. At Z inward: bounded if unique, and where f jumps it keeps no sign: unique not
+    meter, more: not passive. At Z inward: bounded if unique, and where f jumps it keeps no sign: unique not
     derived."""
     u = abs(z) * p.sigma_0 / p.F_s
     return v - where(both(u > 0.90, u < 0.92), -1.0, 1.0) * abs(v) / g(p, v) * z

@@ -49,9 +49,9 @@ def experiments(problem: MachineProblem, u: Array, J: Array, open_: list[int]) -
     moves = _moves(problem, u, J, before, asked)
     gain_of: dict[str, Array] = {}
     for words, other in [("", run), *candidates(problem, run)]:
-        found = _information(problem, u, other, shared, apart, moves)
-        if found is not None:
-            information, differences = found
+        gained = _information(problem, u, other, shared, apart, moves)
+        if gained is not None:
+            information, differences = gained
             more = base.copy()
             more[np.ix_(shared, shared)] += information
             linear = np.sqrt(np.diag(before) / np.diag(covariance(more)))[asked]

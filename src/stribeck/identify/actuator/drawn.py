@@ -33,7 +33,8 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     pilot = _by_noise(problem, u, _PILOT)
     if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
         noise = _by_noise(problem, u, _DRAWS)
-        draws.append(None if noise is None else noise * _possible(noise, r, J))
+        if noise is not None and np.isfinite(noise).all():
+            draws.append(noise * _possible(noise, r, J))
     return [x for x in draws if x is not None and np.isfinite(x).all()]
 
 
@@ -43,7 +44,8 @@ def _possible(changes: Array, r: Array, J: Array) -> float:
     The command of a controller on an encoder is as rough as noise, and is none: as noise it would leave a larger residual.
     """
     left = changes - np.linalg.lstsq(J, changes.T, rcond=None)[0].T @ J.T
-    return min(1.0, float(np.sqrt((r @ r) / np.mean(np.sum(left**2, axis=1)))))
+    size = float(np.linalg.norm(left)) / float(np.sqrt(len(left)))
+    return min(1.0, float(np.linalg.norm(r)) / max(size, 1e-300))
 
 
 def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:

@@ -29,7 +29,8 @@ _DRAWS = 4  # of the measured motion's noise, which the guide carries into the s
 class _Motion:
     """A body's measured motion, smoothed; without ``y``, only its speed is measured.
 
-    ``path``, ``inertia``: of the machine's file. ``column``, ``noise``: of the measured column.
+    ``path``, ``inertia``: of the machine's file. ``column``, ``noise``, ``step``: of the measured column; ``step``: of its
+    encoder, 0 without one.
     """
 
     body: str
@@ -37,6 +38,7 @@ class _Motion:
     inertia: float
     column: str
     noise: float
+    step: float
     t: Array
     v: Array
     y: Array | None = None
@@ -58,11 +60,13 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         t, x = channel.bridged.t, channel.bridged.x
         if not np.ptp(x) > 0:
             continue
-        smooth, rate = channel.smoothed(t), channel.smoothed.derivative()(t)
+        position, rate = channel.smoothed(t), channel.smoothed.derivative()(t)
         table = scenario.data["bodies"][name]
         inertia = "mass" if "mass" in table else "inertia"
-        y, v = (smooth, rate) if what == "y" else (None, smooth)
-        yield _Motion(name, f"bodies.{name}.{inertia}", float(table[inertia]), column, roughness([x]), t, v, y)
+        y, v = (position, rate) if what == "y" else (None, position)
+        yield _Motion(
+            name, f"bodies.{name}.{inertia}", float(table[inertia]), column, roughness([x]), encoder_step([x]), t, v, y
+        )
 
 
 def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[str, Channel]:
@@ -85,11 +89,10 @@ def _noisier(recording: Recording, motions: Sequence[_Motion]) -> Iterator[tuple
         outputs, noisier = dict(recording.outputs), list[_Motion]()
         for m in motions:
             c = outputs[m.column]
-            smoothed, size = c.smoothed(c.t), encoder_step([c.bridged.x])
-            noise = np.sqrt(max(m.noise**2 - size**2 / 12, 0.0)) * rng.standard_normal(len(c.x))
-            if size:
-                phase = smoothed + size * rng.random()
-                noise = size * np.round((phase + noise) / size) - phase
+            noise = np.sqrt(max(m.noise**2 - m.step**2 / 12, 0.0)) * rng.standard_normal(len(c.x))
+            if m.step:
+                phase = c.smoothed(c.t) + m.step * rng.random()
+                noise = m.step * np.round((phase + noise) / m.step) - phase
             outputs[m.column] = replace(c, x=c.x + noise)
             carried = smooth(m.t, np.interp(m.t, c.t, noise), c.smoothing)
             y, v = (None, m.v + carried(m.t)) if m.y is None else (m.y + carried(m.t), m.v + carried.derivative()(m.t))
