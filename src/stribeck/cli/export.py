@@ -105,7 +105,7 @@ def export(
     if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
-    chosen = _chosen(law, parameters, set_ or [], scenario, selection, trust)
+    chosen = _chosen(target, law, parameters, set_ or [], scenario, selection, trust)
     with progress(f"export to {target}"):
         files = write(
             chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, origin=chosen.origin,
@@ -130,6 +130,7 @@ class _Chosen:
 
 
 def _chosen(
+    target: str,
     law: str | None,
     parameters: str | None,
     assignments: list[str],
@@ -142,7 +143,7 @@ def _chosen(
     Raises:
         InputError: it is not known, or the options do not go together.
     """
-    from stribeck.exports import SAMPLED
+    from stribeck.exports import SAMPLED, usual_part
     from stribeck.parameter_sets import read_toml
 
     part = selection.part
@@ -153,7 +154,7 @@ def _chosen(
             and selection.contact is None
             and read_toml(scenario).get("schema") == 2
         )
-        part = "machine" if whole else "law"
+        part = usual_part(target, whole)
     chosen: Law | None = None
     if part == "machine" or part in SAMPLED:
         of_a_law = {"LAW": law, "--parameters": parameters, "--contact": selection.contact}

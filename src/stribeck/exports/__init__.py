@@ -65,7 +65,7 @@ def export(
         target: name of the target, such as "c" or "fmu" (docs/reference/exports.md).
         out: folder of the files (``c``, ``mujoco``), or the file itself.
         part: "law", "body", "observer", "controller", "compensator" or "machine"; not every target has every part. Unless
-            given, it is "machine" for a machine without a ``contact``, otherwise "law".
+            given, it is "machine" for a machine without a ``contact`` if the target has that part, otherwise "law".
         scenario: the scenario that gives mass and controller, or the machine; also its file or its tables.
         step: time step of the tool, s.
         self_test: also write a program that tests the result (target ``c``).
@@ -85,7 +85,7 @@ def export(
     law, scenario = _law_and_scenario(law, scenario)
     if part is None:
         whole = law is None and contact is None and scenario is not None and not scenario.elements.unnamed
-        part = "machine" if whole else "law"
+        part = usual_part(target, whole)
     problems = _problems(target, part, self_test, step, fmi, controller, contact)
     if problems:
         raise InputError(problems)
@@ -104,6 +104,12 @@ def export(
         module = out.stem if out.stem.isidentifier() and out.stem.isascii() else "FILE"
         what = Request(exported, part, scenario, step, origin, options, z, module)
     return _write(out, chosen, part, what)
+
+
+def usual_part(target: str, whole: bool) -> str:
+    """The part that is written unless one is given: the machine, if a ``whole`` one is there and the target has that part."""
+    parts = TARGETS[target].parts if isinstance(target, str) and target in TARGETS else PARTS
+    return "machine" if whole and "machine" in parts else "law"
 
 
 def _law_and_scenario(law: Law | Given | None, scenario: Given | None) -> tuple[Law | None, Scenario | None]:
