@@ -322,12 +322,21 @@ def draw_law(name: str, file: Path) -> None:
     saved(figure, file)
 
 
-def draw_machine(file: Path) -> None:
-    """The drawing of 'stribeck run machine.toml --show'."""
+def draw_own_element(file: Path) -> None:
+    """The rig of the guide, released with its hardening spring, and with the linear one."""
+    text = (Path(__file__).parent.parent / "howto" / "own-element.md").read_text(encoding="utf-8")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.4), layout="constrained")
     with tempfile.TemporaryDirectory() as folder:
-        example("machine", Path(folder))
-        assert _status(["run", f"{folder}/machine.toml", "--show", "--out", f"{folder}/drawn"]) == 0
-        file.write_bytes((Path(folder) / "drawn" / "machine.svg").read_bytes())
+        for name, kind in (("elements.py", "python"), ("rig.toml", "toml")):
+            code = text.partition(f"```{kind}\n")[2].partition("```")[0]
+            (Path(folder) / name).write_text(code, encoding="utf-8")
+        for cubic, words, color in ((0.0, "linear", GRAY), (1e5, "hardening", BLUE)):
+            changes = {"links.spring.cubic": cubic, "output.step": 1e-3}
+            solution = stribeck.simulate(stribeck.load(f"{folder}/rig.toml", changes))
+            plot.plot(solution.t, 1e3 * solution["slider.y"], color=color, label=words)
+    plot.set(xlabel="time (s)", ylabel="position (mm)")
+    figure.legend(frameon=False, loc="outside upper center", ncols=2)
+    saved(figure, file)
 
 
 def draw_fits_flow(file: Path) -> None:
@@ -359,7 +368,6 @@ def _law_drawer(name: str) -> Callable[[Path], None]:
 
 PICTURES = {
     **{f"laws/{name}.svg": _law_drawer(name) for name in CONSTANTS},
-    "machine.svg": draw_machine,
     "fits_flow.svg": draw_fits_flow,
     "hunts.svg": draw_hunts,
     "windup.svg": draw_windup,
@@ -370,6 +378,7 @@ PICTURES = {
     "fmu.svg": draw_blocks,
     "map.svg": draw_map,
     "own_law.svg": draw_own_law,
+    "own_element.svg": draw_own_element,
     "plan.svg": draw_plan,
     "intervals.svg": draw_intervals,
 }

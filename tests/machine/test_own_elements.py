@@ -210,7 +210,6 @@ def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
         assert words[0] == "stribeck"
         assert _status(words[1:]) == 0, command
     for name in (
-        "drawn/machine.svg",
         "joint/plot.svg",
         "laws/compare.svg",
         "sweep/part-000000.parquet",

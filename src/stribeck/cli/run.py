@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import Json, Out, ScenarioOptions, command, flag, output_path, setting
-from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell, wrote
+from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, read_pairs
 
@@ -34,7 +34,7 @@ def run(
         str | None,
         setting("--contact", "NAME", "Contact whose law --law replaces; needed if there are several."),
     ] = None,
-    draw: Annotated[bool, flag("--show", "Draw the machine instead of running it.")] = False,
+    show: Annotated[bool, flag("--show", "Print the machine instead of running it.")] = False,
     keep_c: Annotated[
         Path | None,
         setting("--keep-c", "FILE", "Write the generated C to this file.", parser=output_path),
@@ -45,11 +45,11 @@ def run(
     """Simulate a scenario or a machine. Without --out, print the summary and write nothing."""
     laws = law or []
     given = source.load(lambda: read_pairs(_law, laws, "--law"))
-    if draw:
-        others = {"--law": laws, "--keep-c": keep_c}
+    if show:
+        others = {"--law": laws, "--keep-c": keep_c, "--out": out}
         if wrong := [n for n, x in others.items() if x]:
             raise InputError([f"{name}: must be left out with --show, which simulates nothing" for name in wrong])
-        return _draw(given, out, json)
+        return _show(given, json)
     if contact is not None and not laws:
         raise InputError("--contact: goes with --law, which is not given")
     if len(laws) > 1 and keep_c is not None:
@@ -145,22 +145,16 @@ def _law(text: str) -> tuple[str, tuple[str, dict[str, object]]]:
     return text, (match["name"], read_pairs(parse_assignment, parts, f"--law: {text!r}:"))
 
 
-# -- the machine as a drawing ----------------------------------------------------------------------------------------
+# -- the machine -----------------------------------------------------------------------------------------------------
 
 
-def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
-    """Print the machine as a schematic; with --out also as DIR/machine.svg."""
-    from stribeck.files import write_text
+def _show(scenario: Scenario, json: bool) -> int:
+    """Print the machine as a schematic."""
     from stribeck.scenario import schematic
 
-    machine, files = scenario.as_machine(), list[str]()
-    with OutputFolder(out, writes=["machine.svg"]):
-        if out is not None:
-            files.append(str(out / "machine.svg"))
-            write_text(out / "machine.svg", schematic.svg(machine.elements, machine.name))
+    machine = scenario.as_machine()
     if json:
-        print_json({"scenario": machine.name, **schematic.describe(machine.elements), "files": files})
-        return 0
-    print(schematic.text(machine.elements, machine.name))
-    wrote(files)
+        print_json({"scenario": machine.name, **schematic.describe(machine.elements), "files": []})
+    else:
+        print(schematic.text(machine.elements, machine.name))
     return 0

@@ -115,11 +115,6 @@ class Machine:
 
         return schematic.text(self.scenario(1.0).elements, self.name)
 
-    def _repr_svg_(self) -> str:
-        from stribeck.scenario import schematic
-
-        return schematic.svg(self.scenario(1.0).elements, self.name)
-
 
 def scenario_of(
     given: Machine | Scenario | str | Path | Mapping[str, object], t_end: float | None, step: float | None, **solve: Any
