@@ -1,4 +1,4 @@
-"""Opens recordings: files of :mod:`stribeck.recorded`, BAM's JSON logs, MCAP, rosbags and LeRobot datasets."""
+"""Opens recordings: files of :mod:`stribeck.recorded`, BAM's JSON logs, MCAP and rosbags."""
 
 from __future__ import annotations
 
@@ -8,30 +8,26 @@ import numpy as np
 
 from stribeck.errors import InputError
 from stribeck.files import json_of
-from stribeck.recorded import Source, bags, lerobot, opened
+from stribeck.recorded import Source, bags, opened
 
 
-def opened_log(path: Path, episode: int | None = None) -> Source:
-    """Open a recording without reading its columns; ``episode`` of a LeRobot dataset.
+def opened_log(path: Path) -> Source:
+    """Open a recording without reading its columns.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
         MissingExtra: the reader of such files is not installed.
     """
     kind = path.suffix.lower()
-    if lerobot.is_dataset(path):
-        if episode is None:
-            raise InputError(f"'{path}': is a LeRobot dataset: episode must be given")
-        return lerobot.opened_episode(path, episode)
-    if episode is not None:
-        raise InputError(f"'{path}': has no episodes: it is no LeRobot dataset (meta/info.json)")
     if kind == ".json":
         return _bam(path)
     if kind == ".db3":
         raise InputError(f"'{path}': is a part of a rosbag: give the folder that holds its metadata.yaml")
-    if (kind == ".mcap" and path.is_file()) or (kind == ".bag" and path.is_file()):
-        return bags.opened_mcap(path) if kind == ".mcap" else bags.opened_rosbag(path)
-    return bags.opened_rosbag(path) if (path / "metadata.yaml").is_file() else opened(path)
+    if kind == ".mcap" and path.is_file():
+        return bags.opened_mcap(path)
+    if (kind == ".bag" and path.is_file()) or (path / "metadata.yaml").is_file():
+        return bags.opened_rosbag(path)
+    return opened(path)
 
 
 def time_of(source: Source, column: str) -> str | None:

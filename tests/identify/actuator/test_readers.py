@@ -1,4 +1,4 @@
-"""Recordings of ROS and of LeRobot, in files that their own libraries (or pyarrow) wrote in the test."""
+"""Recordings of ROS, in files that its own libraries wrote in the test, and of BAM."""
 
 import json
 import struct
@@ -93,7 +93,7 @@ def test_topics_have_their_own_times(name, tmp_path):
     np.testing.assert_allclose(y.x, ELBOW, rtol=1e-12)
     np.testing.assert_allclose(u.t, T[::2] + 0.003, atol=1e-9)  # no header: when it was recorded
     np.testing.assert_allclose(u.x, PUSH, rtol=1e-6)
-    assert opened_log(tmp_path / name, None).columns({"time": "/joints.t"})["time"][0] == 0
+    assert opened_log(tmp_path / name).columns({"time": "/joints.t"})["time"][0] == 0
 
 
 def test_a_topic_that_is_not_there_and_a_file_that_is_none(tmp_path):
@@ -202,66 +202,6 @@ def test_messages_within_messages(tmp_path):
         read_logs(logs(tmp_path, [{"file": str(part), **columns}], UNKNOWN))
 
 
-def dataset(folder, version):
-    """Two episodes, of the second of which the first joint is what the test wants."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    state = {"dtype": "float32", "shape": [2], "names": ["elbow.pos", "wrist.pos"]}
-    action = {"dtype": "float32", "shape": [2], "names": {"motors": ["elbow", "wrist"]}}
-    other = {n: {"dtype": "int64", "shape": [1], "names": None} for n in ("episode_index", "frame_index")}
-    features = {"observation.state": state, "action": action, "timestamp": {"dtype": "float32", "shape": [1]}, **other}
-    features["observation.images.top"] = {"dtype": "video", "shape": [3, 4, 4], "names": ["c", "h", "w"]}
-    (folder / "meta").mkdir(parents=True)
-    info = {"codebase_version": version, "total_episodes": 2, "fps": 100, "features": features}
-    (folder / "meta" / "info.json").write_text(json.dumps(info))
-    chunk = folder / "data" / "chunk-000"
-    chunk.mkdir(parents=True)
-    tables = []
-    for episode in (0, 1):
-        joint = np.degrees(ELBOW) * episode
-        rows = {
-            "observation.state": pa.array(np.stack([joint, 0 * T], 1).tolist(), pa.list_(pa.float32(), 2)),
-            "action": pa.array(np.stack([joint + 1, 0 * T], 1).tolist(), pa.list_(pa.float32())),
-            "timestamp": pa.array(T, pa.float32()),
-            "episode_index": pa.array([episode] * N), "frame_index": pa.array(range(N)),
-        }  # fmt: skip
-        tables.append(pa.table(rows))
-        if version == "v2.1":
-            parquet.write_table(tables[-1], chunk / f"episode_{episode:06d}.parquet")
-    if version == "v3.0":
-        parquet.write_table(pa.concat_tables(tables), chunk / "file-000.parquet")
-
-
-@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
-def test_an_episode_of_lerobot(version, tmp_path):
-    dataset(tmp_path / "arm", version)
-    columns = {
-        "outputs": {"a.y": {"column": "observation.state.elbow.pos", "unit": "deg"}},
-        "inputs": {"loads.push.signal": {"column": "action.elbow", "unit": "deg", "gain": 2.0}},
-    }
-    path = logs(tmp_path, [{"file": "arm", "episode": 1, **columns}], UNKNOWN)
-    (recording,) = read_logs(path).recordings
-    np.testing.assert_allclose(recording.t, T, atol=1e-7)
-    np.testing.assert_allclose(recording.outputs["a.y"].x, ELBOW, rtol=1e-6)
-    np.testing.assert_allclose(recording.inputs["loads.push.signal"].x, 2 * (ELBOW + np.pi / 180), rtol=1e-6)
-    with pytest.raises(InputError) as error:
-        read_logs(
-            logs(tmp_path, [{"file": "arm"}, {"file": "arm", "episode": 7}, {"file": "arm", "episode": -1}], UNKNOWN)
-        )
-    missing, none, wrong = error.value.problems
-    assert "episode must be given" in missing
-    assert "7: there is none (it has 2, from 0)" in none
-    assert "log.2.episode: -1: must be a whole number >= 0" in wrong
-    for file, text in (
-        (min((tmp_path / "arm" / "data").rglob("*.parquet")), "torn"),
-        (tmp_path / "arm/meta/info.json", "[]"),
-    ):
-        file.write_text(text)
-        with pytest.raises(InputError, match=r"log\.0\.file: .*arm': .*cannot be read"):
-            read_logs(logs(tmp_path, [{"file": "arm", "episode": 0, **columns}], UNKNOWN))
-
-
 def test_the_units_that_a_file_states_are_used_unless_others_are_given(tmp_path):
     rows = "".join(f"{10 * k},{k},{2 * k}\n" for k in range(N))
     (tmp_path / "run.csv").write_text(f"t,q,i\nms,deg,kN\n{rows}")
@@ -276,7 +216,7 @@ def test_the_units_that_a_file_states_are_used_unless_others_are_given(tmp_path)
 def test_a_log_of_bam_has_constants_beside_its_columns(tmp_path):
     rows = [{"position": float(x), "goal_position": 1.0} for x in ELBOW]
     (tmp_path / "run.json").write_text(json.dumps({"mass": 1.5, "motor": "xl", "dt": 0.01, "entries": rows}))
-    source = opened_log(tmp_path / "run.json", None)
+    source = opened_log(tmp_path / "run.json")
     assert source.constants == {"mass": 1.5, "dt": 0.01}
     result = source.columns({"time": "t", "position": "position"})
     np.testing.assert_allclose(result["time"], T, atol=1e-15)
@@ -292,15 +232,13 @@ def test_what_is_no_log_of_bam_is_refused(content, said, tmp_path):
     if content is not None:
         (tmp_path / "run.json").write_text(content)
     with pytest.raises(InputError, match=rf"run\.json': {said}"):
-        opened_log(tmp_path / "run.json", None)
+        opened_log(tmp_path / "run.json")
 
 
 def test_a_log_of_bam_may_state_its_times(tmp_path):
     for times, dt in (({}, {"dt": 0.5}), ({"timestamp": [0.0, 0.5, 1.0]}, {}), ({"t": [0.0, 0.5, 1.0]}, {"dt": 7.0})):
         rows = [{"position": 1.0, "said": "x", **{n: x[i] for n, x in times.items()}} for i in range(3)]
         (tmp_path / "run.json").write_text(json.dumps({"entries": rows, **dt}))
-        source = opened_log(tmp_path / "run.json", None)
+        source = opened_log(tmp_path / "run.json")
         assert source.columns({"time": "t"})["time"].tolist() == [0.0, 0.5, 1.0]
         assert "said" not in source.names
-    with pytest.raises(InputError, match="has no episodes"):
-        opened_log(tmp_path / "run.json", 0)

@@ -196,7 +196,6 @@ class RecordingTable(FileTable):
 
     file: str = Field(description="the recording's file")
     name: str | None = None
-    episode: int | None = None
     time: Annotated[TimeTable | None, BeforeValidator(_by_name)] = None
     outputs: dict[str, Annotated[OutputTable, BeforeValidator(_by_name)]] = Field(description="the measured columns")
     inputs: dict[str, Annotated[ColumnTable, BeforeValidator(_by_name)]] = Field(default_factory=dict)
@@ -204,10 +203,8 @@ class RecordingTable(FileTable):
     hold_out: bool = False
 
     def wrong(self) -> list[Problem]:
-        """No outputs, an episode below 0, or a known number whose square is none."""
+        """No outputs, or a known number whose square is none."""
         problems = [] if self.outputs else [("outputs", "missing: at least one measured column must be given")]
-        if self.episode is not None and self.episode < 0:
-            problems.append(("episode", f"{show(self.episode)}: must be a whole number >= 0"))
         return problems + _too_large({f"known.{path}": x for path, x in self.known.items()})
 
     @property
@@ -336,7 +333,7 @@ def _source(entry: RecordingTable, where: str, folder: Path) -> Source:
         InputError: it cannot be read.
     """
     try:
-        return opened_log(folder / entry.file, entry.episode)
+        return opened_log(folder / entry.file)
     except InputError as error:
         raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
     except OSError as error:  # an invalid file name
@@ -347,9 +344,8 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     """The columns of one recording, in order of time."""
     source, wanted = _source(entry, where, folder), entry.columns
     time = entry.time
-    if time is None:  # a topic of a bag has its own times, an episode of LeRobot "timestamp"
-        usual = "t" if entry.episode is None else "timestamp"
-        time = TimeTable(column=time_of(source, next(iter(entry.outputs.values())).column) or usual)
+    if time is None:  # a topic of a bag has its own times
+        time = TimeTable(column=time_of(source, next(iter(entry.outputs.values())).column) or "t")
     time, wanted = _in_si(time, source), {use: _in_si(c, source) for use, c in wanted.items()}
     names = {f"{where}.time": time.column}
     names |= {f"{where}.{use}": c.column for use, c in wanted.items()}
