@@ -169,9 +169,9 @@ def test_a_damaged_file_of_the_cache_is_made_anew(tmp_path, monkeypatch):
 
 def test_a_module_that_is_none_is_refused():
     with pytest.raises(BuildError, match="Wasmtime"):
-        engine.Compiled.build(b"no module")
+        engine.build(b"no module")
     with pytest.raises(BuildError, match="Wasmtime"):
-        engine.Compiled.read(b"no machine code")
+        engine.read(b"no machine code")
 
 
 def test_threads_solve_beside_each_other(by_wasm):
@@ -198,15 +198,14 @@ def test_the_bits_of_another_engine(name, target):
     oldest kin, without AVX. In a process of its own."""
     code = f"""
 import hashlib, wasmtime
-from ctypes import c_void_p, cast
 from stribeck import Scenario, examples
 from stribeck.simulation import engine, wasm
 config = wasmtime.Config(); config.target = {target!r}
 other = wasmtime.Engine(config)
-engine._engine = lambda: cast(other.ptr(), c_void_p).value
+engine.engine = lambda: other
 scenario = Scenario.load(examples.path({name!r}), {{"solve.t_end": 0.2}})
 system = wasm.system_module(scenario.system)
-print(hashlib.sha256(wasm.solve(engine.Compiled.build(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
+print(hashlib.sha256(wasm.solve(engine.build(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
 """
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr

@@ -74,15 +74,13 @@ class _Code:
         function: the function.
         where: the code that pushes each symbol.
         runtime: the indices of the runtime's functions.
-        calls: the names of called functions are added to this set.
         strict: compute the same bits on every processor, as sampled controllers need.
     """
 
     def __init__(
-        self, function: Function, where: Mapping[str, bytes], runtime: Mapping[str, int], calls: set[str],
-        strict: bool = False,
-    ) -> None:  # fmt: skip
-        self.f, self.where, self.runtime, self.calls, self.strict = function, where, runtime, calls, strict
+        self, function: Function, where: Mapping[str, bytes], runtime: Mapping[str, int], strict: bool = False
+    ) -> None:
+        self.f, self.where, self.runtime, self.strict = function, where, runtime, strict
         self.local: dict[Expr, int] = {}
 
     def value(self, outputs: Sequence[Expr]) -> list[bytes]:
@@ -147,7 +145,6 @@ class _Code:
             x, zero = self.f.local(), f64(0.0)
             return tee(x) + zero + OPS["gt"] + get(x) + zero + OPS["lt"] + SUB_I32 + TO_F64
         name = f"call_same_{op}" if self.strict and f"call_same_{op}" in self.runtime else f"call_{op}"
-        self.calls.add(name)
         return call(self.runtime[name])
 
 
@@ -179,7 +176,6 @@ class Emitted:
 
     Attributes:
         functions: the functions by the name of their import.
-        calls: the runtime's functions that they call.
         addresses: the address of each constant, coefficient, rate and Jacobian entry.
         k: the address of the stages' results.
         shape: the runtime's struct Shape (runtime/any.c): numbers of states, signals, outputs, events and forces.
@@ -190,7 +186,6 @@ class Emitted:
         self.system, self.runtime, self.rates = system, runtime, rates
         self.code = s = SystemCode(system, False)
         self.n = n = len(s.names)
-        self.calls: set[str] = set()
         self.offset = {
             "piece": {f"segment.{name}": 8 * i for i, name in enumerate((*system.piece_fields, *system.held))},
             "x": {name: 8 * i for i, name in enumerate(s.names)},
@@ -254,7 +249,7 @@ class Emitted:
         self, f: Function, where: Mapping[str, bytes], outputs: Sequence[Expr], strict: bool = False
     ) -> list[bytes]:
         """The code of each output, as part of a function."""
-        return _Code(f, where, self.runtime, self.calls, strict).value(outputs)
+        return _Code(f, where, self.runtime, strict).value(outputs)
 
     def _stored(self, kinds: str, names: str, outputs: Sequence[Expr], to: str) -> Function:
         """A function that stores its outputs one after the other."""

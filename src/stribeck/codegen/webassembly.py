@@ -9,7 +9,7 @@ The format: https://webassembly.github.io/spec/core/binary/
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
@@ -153,7 +153,6 @@ class _Reader:
 
 
 _TYPES, _IMPORTS, _FUNCTIONS, _GLOBALS, _EXPORTS, _CODE = 1, 2, 3, 6, 7, 10  # numbers of sections
-_TRAPS = b"\x03\x00\x00\x0b"  # the body of a function that is never called: unreachable
 
 
 @dataclass
@@ -187,15 +186,9 @@ class Module:
         by_kind = dict(self.sections)
         return _constants(by_kind[_GLOBALS])[_exports(by_kind[_EXPORTS], 3)[name]]
 
-    def joined(
-        self, functions: Mapping[str, Function], needed: Iterable[int], added: Mapping[str, Function] | None = None
-    ) -> bytes:
-        """This module with its imports replaced by ``functions``, and with further exported functions ``added``.
-
-        Of its own functions only ``needed`` keep their code. The others get a body that traps, so that no index changes
-        and they cost the compiler nothing.
-        """
-        types, added = list(self.types), added or {}
+    def joined(self, functions: Mapping[str, Function], added: Mapping[str, Function]) -> bytes:
+        """This module with its imports replaced by ``functions``, and with further exported functions ``added``."""
+        types = list(self.types)
         place = {t: i for i, t in reversed(list(enumerate(types)))}
         for function in (*functions.values(), *added.values()):
             t = function.type()
@@ -203,8 +196,6 @@ class Module:
                 place[t] = len(types)
                 types.append(t)
         type_indices = [place[functions[name].type()] for name in self.imports]
-        kept = set(needed)
-        bodies = [b if i + len(self.imports) in kept else _TRAPS for i, b in enumerate(self.bodies)]
         first = len(self.imports) + len(self.bodies)  # the index of the first added function
         exports = [leb(len(n.encode())) + n.encode() + b"\0" + leb(first + i) for i, n in enumerate(added)]
         new = {
@@ -214,21 +205,11 @@ class Module:
             ),
             _EXPORTS: _extended(dict(self.sections)[_EXPORTS], exports),
             _CODE: vector(
-                [*(functions[name].body() for name in self.imports), *bodies, *(f.body() for f in added.values())]
+                [*(functions[name].body() for name in self.imports), *self.bodies, *(f.body() for f in added.values())]
             ),
         }
         parts = [(kind, new.get(kind, content)) for kind, content in self.sections if kind != _IMPORTS]
         return b"\0asm\1\0\0\0" + b"".join(bytes([kind]) + leb(len(x)) + x for kind, x in parts)
-
-    def reached(self, roots: Iterable[int]) -> set[int]:
-        """All functions that the roots call, directly or indirectly, and the roots."""
-        first, pending, seen = len(self.imports), list(roots), set[int]()
-        while pending:
-            f = pending.pop()
-            if f not in seen:
-                seen.add(f)
-                pending += _calls(self.bodies[f - first]) if f >= first else ()
-        return seen
 
 
 def _extended(section: bytes, entries: Sequence[bytes]) -> bytes:
@@ -290,43 +271,3 @@ def _constants(section: bytes) -> list[int]:
         values.append(r.leb())  # addresses: never negative
         r.take(1)
     return values
-
-
-# The count of numbers after an instruction's byte; loads and stores have two (alignment, offset).
-_FOLLOWED_BY = (
-    dict.fromkeys((0x02, 0x03, 0x04, 0x41, 0x42, 0x0C, 0x0D, 0x3F, 0x40, 0xD2, *range(0x20, 0x27)), 1)
-    | dict.fromkeys(range(0x28, 0x3F), 2)
-    | {0x11: 2}
-)
-_AFTER_PREFIX = {8: 2, 9: 1, 10: 2, 11: 1, 12: 2, 13: 1, 14: 2}  # of 0xFC
-
-
-def _calls(body: bytes) -> set[int]:
-    """The functions that a body calls directly."""
-    r = _Reader(body)
-    r.leb()
-    for _ in range(r.leb()):
-        r.leb()
-        r.place += 1
-    called = set[int]()
-    while r.place < len(body):
-        op = r.take(1)[0]
-        if op == 0x10:
-            called.add(r.leb())
-        elif op == 0x43:
-            r.place += 4
-        elif op == 0x44:
-            r.place += 8
-        elif op == 0x0E:
-            for _ in range(r.leb() + 1):
-                r.leb()
-        elif op == 0xFC:
-            sub = r.leb()
-            for _ in range(_AFTER_PREFIX.get(sub, 1 if sub > 14 else 0)):
-                r.leb()
-        elif op == 0xFD:
-            raise ValueError("vectors are not expected in the runtime")
-        else:
-            for _ in range(_FOLLOWED_BY.get(op, 0)):
-                r.leb()
-    return called

@@ -6,6 +6,7 @@ and joined with it. Wasmtime compiles the module to machine code, which the cach
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import threading
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from importlib.resources import files
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -23,12 +24,14 @@ from stribeck.codegen.webassembly import Module
 from stribeck.errors import BuildError
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
-from stribeck.simulation import cache, compiler
-from stribeck.simulation.engine import Compiled, Instance, identity
+from stribeck.simulation import cache, compiler, engine
 from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, finest_scale, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, measures, solve_to_promise
 from stribeck.simulation.result import Result
+
+if TYPE_CHECKING:
+    import wasmtime
 
 Made = TypeVar("Made")
 Progress = Callable[[float], None]
@@ -53,7 +56,7 @@ def _runtime() -> Module:
 
 @lru_cache(maxsize=64)
 def system_module(equations: MachineSystem) -> System:
-    """Emit a system and join it with those functions of the runtime that it needs."""
+    """Emit a system and join it with the runtime."""
     return with_functions(equations, {})
 
 
@@ -62,32 +65,30 @@ def with_functions(equations: MachineSystem, added: Mapping[str, Added]) -> Syst
     base = _runtime()
     emitted = Emitted(equations, base.exported, base.imports.index("rates"), base.constant("__heap_base"))
     functions = {name: emitted.added(each) for name, each in added.items()}
-    wanted = (*emitted.calls, "stribeck_advance", "stribeck_event_room", "_initialize")
-    module = base.joined(emitted.functions, base.reached({base.exported[name] for name in wanted}), functions)
-    return System(module, emitted.shape, emitted.end)
+    return System(base.joined(emitted.functions, functions), emitted.shape, emitted.end)
 
 
-def compiled(module: bytes) -> tuple[Compiled, bool]:
+def compiled(module: bytes) -> tuple[wasmtime.Module, bool]:
     """A module as machine code, from the cache or built now; and whether it was built now.
 
     Raises:
         BuildError: if Wasmtime is missing, or rejects the module.
     """
-    key = sha256("|".join((identity(), compiler.processor())).encode() + module).hexdigest()[:32]
+    key = sha256("|".join((engine.identity(), compiler.processor())).encode() + module).hexdigest()[:32]
     if key in _compiled:
         return _compiled[key], False
     if (code := cache.read_sealed(f"{key}.cwasm")) is not None:
         try:
-            _compiled[key] = Compiled.read(code)
+            _compiled[key] = engine.read(code)
             return _compiled[key], False
         except BuildError:
             pass  # by another build of Wasmtime: compiled again
-    _compiled[key] = built = Compiled.build(module)
-    cache.write_sealed(f"{key}.cwasm", built.written())
+    _compiled[key] = built = engine.build(module)
+    cache.write_sealed(f"{key}.cwasm", bytes(built.serialize()))
     return built, True
 
 
-_compiled: dict[str, Compiled] = {}
+_compiled: dict[str, wasmtime.Module] = {}
 
 
 @lru_cache(maxsize=1)
@@ -96,7 +97,7 @@ def run_struct() -> type[ctypes.Structure]:
     return type("WasmRun", (ctypes.Structure,), {"_fields_": struct_fields("run.c", "Run", pointer=c_uint32)})
 
 
-def solve(code: Compiled, system: System, scenario: Scenario, progress: Progress | None = None) -> Result:
+def solve(code: wasmtime.Module, system: System, scenario: Scenario, progress: Progress | None = None) -> Result:
     """Integrate the scenario with its compiled module; ``progress`` is called with the share of time done."""
 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
@@ -109,17 +110,24 @@ def solve(code: Compiled, system: System, scenario: Scenario, progress: Progress
     return solve_to_promise(scenario, once, finest_scale)
 
 
-def _instance(code: Compiled) -> Instance:
+def _instance(code: wasmtime.Module) -> engine.Instance:
     """The instance that this thread used last, if it is of this module; otherwise a new one."""
     last, _of_thread.last = getattr(_of_thread, "last", None), None
-    return last[1] if last is not None and last[0] is code else Instance(code)
+    return last[1] if last is not None and last[0] is code else engine.Instance(code)
 
 
 _of_thread = threading.local()
 
 
+@atexit.register
+def _release() -> None:
+    """Wasmtime's objects must not outlive its functions, or Python reports an error at its end."""
+    vars(_of_thread).clear()
+    _compiled.clear()
+
+
 def in_memory(
-    code: Compiled, system: System, scenario: Scenario, given: SolverInput, use: Callable[[Solving], Made]
+    code: wasmtime.Module, system: System, scenario: Scenario, given: SolverInput, use: Callable[[Solving], Made]
 ) -> Made:
     """What ``use`` makes of a run whose arrays lie in the memory of an instance."""
     instance = _instance(code)
