@@ -15,7 +15,6 @@ from stribeck.arrays import Array
 from stribeck.errors import needed, printable
 from stribeck.mouth.document import Figure as Picture
 from stribeck.mouth.document import FigureSvg
-from stribeck.mouth.readout import marked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,8 +86,7 @@ def figure(layout: Sequence[Sequence[str]], height: float) -> tuple[Figure, dict
 
 
 def svg(figure: Figure) -> str:
-    """The figure as SVG text, from which a page can read values; the same figure gives the same text. Call within
-    :func:`style`."""
+    """The figure as SVG text; the same figure gives the same text. Call within :func:`style`."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
@@ -98,11 +96,9 @@ def svg(figure: Figure) -> str:
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)  # once, and not for every format
         figure.set_layout_engine("none")
-    attribute = marked(figure)
     # savefig would draw it twice
     canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})  # type: ignore[no-untyped-call]
-    text = printable(buffer.getvalue().replace(_SHOWN, ""), but="\n")
-    return text.replace("<svg ", f"<svg {attribute} ", 1) if attribute else text
+    return printable(buffer.getvalue().replace(_SHOWN, ""), but="\n")
 
 
 def _show_as_written(figure: Figure) -> None:
