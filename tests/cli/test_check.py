@@ -53,23 +53,24 @@ def static_law(folder, claims, force):
     return "check", f"{folder / 'mine.py'}:Mine", "--set", "F_c=1", "--set", "sigma_2=0.1"
 
 
-def test_each_claim_of_a_law_without_z_is_answered(stribeck, tmp_path):
+def test_passivity_of_a_law_without_z_is_decided(stribeck, tmp_path):
     """A law that drives between 1 and 2 m/s: F v = v^2 (v^2 - 3 |v| + 2) is -0.25 v^2 at 1.5 m/s."""
     law = static_law(tmp_path, "passive=True, unique=True", "p.sigma_2 * v * (v * v - 3 * (v * v)**0.5 + 2)")
-    process = stribeck(*law, "--json")
-    claims = json.loads(process.out)["claims"]
-    assert {name: each["holds"] for name, each in claims.items()} == {"unique": None, "passive": False}
-    assert claims["unique"]["evidence"]["reason"].startswith("does not apply")
-    v, force = (claims["passive"]["evidence"][name] for name in "vF")
+    process = stribeck(*law, "--verify", "--json")
+    verdicts = json.loads(process.out)["properties"]
+    assert {name for name, each in verdicts.items() if each["holds"] is None} == set(verdicts) - {"passive"}
+    assert "no internal state z" in verdicts["unique"]["evidence"]["reason"]
+    assert verdicts["passive"]["holds"] is False
+    v, force = (verdicts["passive"]["evidence"][name] for name in "vF")
     assert 1 < abs(v) < 2
     assert force == pytest.approx(0.1 * v * (v * v - 3 * abs(v) + 2))
     assert "claims: passive: True: is refuted" in process.err
-    assert "unique yes undecided does not apply" in " ".join(stribeck(*law).out.split())
-    slow = json.loads(stribeck(*law, "--v-max", "0.5", "--json").out)
-    assert slow["claims"]["passive"]["holds"] is True
+    slow = stribeck(*law, "--v-max", "0.5", "--verify").out
+    assert "NOT CONFIRMED" not in slow
+    assert "proved for |v| up to 0.5 m/s: passive" in " ".join(slow.split())
 
 
 def test_a_claim_of_a_law_without_z_is_proved(stribeck, tmp_path):
     process = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
-    assert json.loads(process.out)["claims"]["passive"]["holds"] is True
+    assert json.loads(process.out)["properties"]["passive"]["holds"] is True
     assert "refuted" not in process.err

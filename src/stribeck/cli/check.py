@@ -273,7 +273,7 @@ def _note_what_makes_no_sense(law: Law, verdicts: Verdicts) -> None:
     for line in sanity.problems(law):
         note(f"{law.name}: {line}")
     for name, claimed in law.guarantees().items():
-        verdict = {**verdicts.properties, **verdicts.claims}.get(name)
+        verdict = verdicts.properties.get(name)
         if claimed and verdict is not None and verdict.holds is False:
             note(f"{law.name}: claims: {name}: True: is refuted")
 

@@ -10,7 +10,7 @@ import importlib
 import logging
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import islice
 from math import e
 from time import process_time
@@ -22,13 +22,12 @@ from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0, sigma_1
-from stribeck.properties import bounded, cycles, damped, drift, endless, passive, smooth, unique
+from stribeck.properties import bounded, cycles, damped, drift, endless, passive, smooth, stateless, unique
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
-from stribeck.properties.stateless import claimed, why_not
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
@@ -66,11 +65,7 @@ _DROPS = (
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
     """The verdicts on a law whose constants do not vary."""
     checked = Checked(law, v_max, work)
-    verdicts = _verdicts(Verdicts(law, {}, v_max), lambda name: accepted(checked.decided(name), law, name, v_max))
-    if not law.has_z:
-        with np.errstate(all="ignore"):
-            verdicts.claims = claimed(law, v_max)
-    return verdicts
+    return _verdicts(Verdicts(law, {}, v_max), lambda name: accepted(checked.decided(name), law, name, v_max))
 
 
 def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
@@ -80,13 +75,12 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 
 
 def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
-    """Each property; undecided if a law has no z, or if its equations make the check fail."""
+    """Each property; undecided if the equations make the check fail, and all but passivity if a law has no z."""
     started = process_time()
     with needed("a proof"):
         importlib.import_module("flint")
     if not verdicts.law.has_z:
-        verdicts.properties = {name: undecided(why_not(verdicts.law)) for name in NAMES}
-        return verdicts
+        decided = partial(stateless.decide, verdicts.varied or Varied(verdicts.law, {}), verdicts.v_max)
     with np.errstate(all="ignore"):  # samples may overflow; they prove nothing
         verdicts.properties = {name: _safely(decided, name) for name in NAMES}
     verdicts.seconds = process_time() - started

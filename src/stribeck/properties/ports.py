@@ -18,7 +18,6 @@ from stribeck.machine.elements.loads import Pendulum
 from stribeck.properties.checked import check_law, check_varied
 from stribeck.properties.plain import Json
 from stribeck.properties.ranges import of_contact
-from stribeck.properties.stateless import static_passive
 from stribeck.properties.verdicts import Verdicts
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
@@ -152,12 +151,7 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
 
 
 def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
-    law = varied.law
-    if not law.has_z:
-        verdicts = check_varied(varied, v_max, work)
-        verdicts.properties["passive"] = static_passive(varied, v_max)
-        return verdicts
-    return check_varied(varied, v_max, work) if varied.ranges else check_law(law, v_max, work)
+    return check_varied(varied, v_max, work) if varied.ranges else check_law(varied.law, v_max, work)
 
 
 def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerdicts:

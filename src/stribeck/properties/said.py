@@ -60,9 +60,8 @@ _SENSE = "'Yes' is proved, and 'no' has a counterexample. The constants are take
 def law(verdicts: Verdicts) -> Document:
     """The verdicts on a law: first the smallest k_v if tolerances were given."""
     chapters = [_steepness(verdicts.steepness)] if verdicts.steepness else []
-    if verdicts.properties and verdicts.law.has_z:
+    if verdicts.properties:
         chapters.append(_verdicts(verdicts, "verdicts", "Verdicts"))
-    chapters += _claims(verdicts)
     chapters += [
         Chapter("curve", "Friction at constant speeds", figures=[_curve(verdicts.law)], on=PAGE),
         *_replays(verdicts, "", "replays", "The counterexamples"),
@@ -99,8 +98,6 @@ def _in_short(verdicts: Verdicts) -> str:
     """A sentence with the proved, refuted and undecided properties."""
     if not verdicts.properties:
         return "no k_v meets the tolerances"
-    if not verdicts.law.has_z:
-        return "the law has no internal state z, to which the five properties refer"
     needed = verdicts.steepness.get(verdicts.law.name)
     smallest = "" if needed is None else f"smallest k_v {_k_v(needed.k_v, needed.rotary)}; "
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if verdicts.law.rotary else 'm/s'}" if verdicts.v_max else ""
@@ -123,21 +120,6 @@ def _verdicts(verdicts: Verdicts, key: str, title: str, headed: bool = False) ->
     tables += [table for name, v in verdicts.properties.items() for table in _steps(name, v, verdicts.law.rotary)]
     facts = [*verdicts.headings(), *_hints(verdicts)] if headed else []
     return Chapter(key, title, [_SENSE], tables, facts=facts, headed=headed)
-
-
-def _claims(verdicts: Verdicts) -> list[Chapter]:
-    """Passivity and claimed properties of a law without internal state."""
-    if not verdicts.claims:
-        return []
-    stated = verdicts.law.guarantees()
-    rows: list[list[Cell]] = [
-        [name.replace("_", "-"), "-" if stated[name] is None else DECIDED[stated[name]], DECIDED[v.holds], v.reason]
-        for name, v in verdicts.claims.items()
-    ]
-    tables = [Table(["property", "claimed", "holds", "how it was decided"], rows, prose=True)]
-    if evidence := [row for name, v in verdicts.claims.items() for row in _evidence(name, v, verdicts.law.rotary)]:
-        tables.append(Table(["property", "evidence", "value"], evidence, prose=True))
-    return [Chapter("claims", "Claims", [_SENSE], tables)]
 
 
 def _hints(verdicts: Verdicts) -> list[str]:

@@ -1,4 +1,4 @@
-"""Passivity and other claims of laws without an internal state z."""
+"""Passivity of laws without an internal state z."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stribeck.laws.base import Law
 from stribeck.properties.claims import NULL
 from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.prover.search import Budget
-from stribeck.properties.verdicts import NAMES, Verdict, undecided
+from stribeck.properties.verdicts import Verdict, undecided
 from stribeck.properties.worst import Varied
 
 _WORK = 400  # regions: with one variable, a sixth of a whole check suffices
@@ -23,19 +23,11 @@ _STATIC = (
 _DECADES, _A_DECADE = 6, 8
 
 
-def why_not(law: Law) -> str:
-    """The reason why the five properties are undecided for a law without z."""
-    return f"law '{law.name}' has no internal state z, to which the properties refer"
-
-
-def claimed(law: Law, v_max: float | None) -> dict[str, Verdict]:
-    """The verdict on passivity, which needs no z, and on each other property that the law claims."""
-    claims = law.guarantees()
-    return {
-        name: static_passive(Varied(law, {}), v_max) if name == "passive" else undecided(f"does not apply: {why_not(law)}")
-        for name in NAMES
-        if name == "passive" or claims[name] is not None
-    }  # fmt: skip
+def decide(varied: Varied, v_max: float | None, name: str) -> Verdict:
+    """The verdict on a property of a law without z: on passivity, which needs no z; the others are undecided."""
+    if name == "passive":
+        return static_passive(varied, v_max)
+    return undecided(f"law '{varied.law.name}' has no internal state z, to which the property refers")
 
 
 def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:

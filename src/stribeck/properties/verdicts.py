@@ -60,9 +60,11 @@ class Verdict:
         return data if self.verified is None else {**data, "verified": self.verified}
 
     def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
-        """Check the certificate with the independent checker, or run the scenario again."""
+        """Check the certificate with the independent checker, or run the scenario again; None for a law without z."""
         from stribeck.properties import replay
 
+        if not law.has_z:
+            return None
         if self.holds:
             self.verified = self.certificate is not None and not refusals(self.certificate, law, name, v_max)
         elif self.holds is False:
@@ -124,7 +126,6 @@ class Verdicts:
             family.
         varied: if constants vary, the law and their ranges. Each verdict holds for every history within these.
         proofs: if constants vary, the law of each verdict, which represents all laws or is one of them.
-        claims: for a law without internal state, a :class:`Verdict` on passivity and on each claimed property.
     """
 
     law: Law
@@ -134,7 +135,6 @@ class Verdicts:
     steepness: dict[str, Steepness] = field(default_factory=dict)
     varied: Varied | None = None
     proofs: dict[str, Law] = field(default_factory=dict)
-    claims: dict[str, Verdict] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
@@ -169,9 +169,8 @@ class Verdicts:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
         for name, verdict in self.properties.items():
             verdict.verify(self.proofs.get(name, self.law), name, self.v_max)
-            if verdict.holds and self.varied is not None:
-                covers = (verdict.certificate or {}).get("level") == self.varied.exactly()
-                verdict.verified = covers and verdict.verified
+            if verdict.verified and verdict.holds and self.varied is not None:
+                verdict.verified = (verdict.certificate or {}).get("level") == self.varied.exactly()
         return all(verdict.verified is not False for verdict in self.properties.values())
 
     @property
@@ -193,13 +192,11 @@ class Verdicts:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and further results."""
         varied = {} if self.varied is None else {"level": self.level}
         more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
-        claims = {"claims": {name: verdict.to_dict() for name, verdict in self.claims.items()}} if self.claims else {}
         return {
             **more,
             "law": self.law.name,
             "properties": {name: verdict.to_dict() for name, verdict in self.properties.items()},
             "constants": {**self.law.values, **self.law.choices},
             "v_max": self.v_max,
-            **claims,
             **varied,
         }
