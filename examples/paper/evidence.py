@@ -23,7 +23,7 @@ from stribeck.laws.terms import g
 from stribeck.mouth import plots
 from stribeck.mouth.cells import human
 from stribeck.properties.cycles import integrate
-from stribeck.properties.steepness.steady import Creep
+from stribeck.properties.steepness import creep_under
 from stribeck.scenario import Scenario
 
 _SHARE = 0.95
@@ -165,7 +165,7 @@ def creep() -> tuple[Numbers, Printed]:
         axis = axes["creep"]
         for i, (label, (name, own)) in enumerate(variants.items(), start=1):
             law = laws.law(name, "canudas1995", k_v=1.0, **own)
-            plots.line(axis, i, k_v, [1e6 * Creep(1.0, _SHARE).measure(law.replace(k_v=k)) for k in k_v], label)
+            plots.line(axis, i, k_v, [1e6 * creep_under(law.replace(k_v=k), _SHARE * law.p.F_s) for k in k_v], label)
             simulated[label] = {f"{k:.0e}": _held(name, {**own, "k_v": k}) for k in STEEPNESSES}
             dots = [1e6 * v for v in simulated[label].values()]
             axis.plot(STEEPNESSES, dots, "o", color=plots.COLORS[i], markersize=4)

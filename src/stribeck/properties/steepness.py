@@ -243,7 +243,7 @@ def _carries(law: Law, v: Value, load: float) -> Value:
     return law.rate(v, (load - law.p.sigma_2 * v) / law.p.sigma_0) >= 0
 
 
-def _creep(law: Law, load: float) -> float:
+def creep_under(law: Law, load: float) -> float:
     """The slowest speed at which steady friction carries a load, m/s."""
     v = np.geomspace(1e-12, 1e4, 321) / law.p.k_v
     for _ in range(6):
@@ -268,7 +268,7 @@ def _for_creep(law: Law, v: float, share: float) -> Requirement:
         return Requirement(name, v, unit, None, None, FORMULA, detail)
     k_v = _smallest(lambda k: _carries(law.replace(k_v=k), v, load), 1 / v)
     detail = "at the tolerated speed, steady friction equals the load"
-    return _required(law, name, v, unit, k_v, detail, lambda law: _creep(law, load))
+    return _required(law, name, v, unit, k_v, detail, lambda law: creep_under(law, load))
 
 
 # -- friction at a speed ------------------------------------------------------------------------------------------------
