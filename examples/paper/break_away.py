@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from examples.paper.common import (
     PAPER,
     PROPOSED,
@@ -13,7 +15,6 @@ from examples.paper.common import (
     scenario,
     solve,
 )
-from stribeck.loops.oscillation import first_maximum
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
 
@@ -29,7 +30,7 @@ def break_away_force(variant: Variant, rate: float) -> float:
             "break_away", variant, drive__signal__rate=rate, solve__t_end=end, output__step=end / 20000
         )
     )["F"]  # fmt: skip
-    return float(F[first_maximum(F)])
+    return float(F[np.flatnonzero(np.diff(F) < 0)[0]])
 
 
 def chapter(done: Done) -> Chapter:

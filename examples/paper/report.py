@@ -10,8 +10,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import pyarrow
+
 from examples.paper.common import Chapter
-from stribeck.files import together, write_columns, write_json
+from stribeck.files import arrow_array, together, write_json, write_parquet
 from stribeck.mouth.cells import human
 from stribeck.mouth.page import html
 from stribeck.version import __version__
@@ -67,7 +69,8 @@ def write(folder: Path, progress: Callable[[float, str], None] | None = None) ->
             _new(place / "figures" / f"{figure.name}.png").write_bytes(figure.png)
         for chapter in chapters:
             if chapter.data:
-                write_columns(_new(place / "data" / f"{chapter.key}.parquet"), chapter.data)
+                table = pyarrow.table({name: arrow_array(x) for name, x in chapter.data.items()})
+                write_parquet(table, _new(place / "data" / f"{chapter.key}.parquet"))
         page = html(
             TITLE, f"Made by Stribeck {__version__}.", [_in_short(chapters), *_INTRODUCTION], chapters, "make demo"
         )

@@ -91,7 +91,7 @@ class Constant:
 POSITIVE = Constant("", "", above=0)
 
 
-def which_controller(given: str | None, known: Sequence[str], what: str = "controller") -> str:
+def which_controller(given: str | None, known: Sequence[str]) -> str:
     """The name of the chosen controller of a machine: the only one unless it is given.
 
     Raises:
@@ -100,7 +100,7 @@ def which_controller(given: str | None, known: Sequence[str], what: str = "contr
     if given is None and len(known) > 1:
         raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
     if given is not None and given not in known:
-        raise InputError(f"{arg('controller')}: {show(given)}: no such {what}{nearest(given, known)}")
+        raise InputError(f"{arg('controller')}: {show(given)}: no such controller{nearest(given, known)}")
     return given or known[0]
 
 

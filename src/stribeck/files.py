@@ -240,16 +240,6 @@ def arrow_array(values: Any) -> object:
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(values), [None, buffer])
 
 
-def write_columns(path: Path, columns: Mapping[str, object]) -> None:
-    """Write columns of equal length as a Parquet file."""
-    with needed("a Parquet file"):
-        import pyarrow
-
-    arrays = [arrow_array(values) for values in columns.values()]
-    table = pyarrow.Table.from_arrays(arrays, names=list(columns))
-    write_with(path, lambda beside: write_parquet(table, beside))
-
-
 def write_parquet(table: object, path: Path, **options: object) -> None:
     """Write an Arrow table as a Parquet file; pyarrow itself rejects names that are not valid text."""
     from pyarrow import parquet

@@ -31,12 +31,10 @@ _OF_FILE = "_stribeck_user_"  # prefix of the names of users' modules
 _paths: dict[str, Path] = {}  # of users' files, by their module's name
 
 
-def modules(
-    package: str, path: Iterable[str], first: Iterable[str] = (), aside: Iterable[str] = ()
-) -> list[ModuleType]:
-    """Every module of a package except ``aside``: the ``first`` in their order, then the others by name."""
+def modules(package: str, path: Iterable[str], first: Iterable[str] = ()) -> list[ModuleType]:
+    """Every module of a package: the ``first`` in their order, then the others by name."""
     first = tuple(first)
-    others = {m.name for m in pkgutil.iter_modules(path)} - {*first, *aside}
+    others = {m.name for m in pkgutil.iter_modules(path)} - {*first}
     return [importlib.import_module(f"{package}.{name}") for name in (*first, *sorted(others))]
 
 

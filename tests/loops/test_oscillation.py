@@ -1,11 +1,11 @@
-"""Amplitude, period and the first maximum of known signals."""
+"""Amplitude and period of known signals."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.loops.oscillation import amplitude_and_period, first_maximum
+from stribeck.loops.oscillation import amplitude_and_period
 
 
 @given(st.floats(0.1, 10.0), st.floats(0.5, 5.0), st.floats(-3.0, 3.0), st.floats(0.0, 6.0))
@@ -19,8 +19,3 @@ def test_no_period_without_two_crossings():
     amplitude, period = amplitude_and_period(np.arange(3.0), np.array([0.0, 1.0, 2.0]))
     assert amplitude == 1.0
     assert np.isnan(period)
-
-
-def test_first_maximum_is_local():
-    assert first_maximum(np.array([0.0, 1.0, 3.0, 2.0, 5.0, 1.0])) == 2
-    assert first_maximum(np.array([0.0, 1.0, 2.0])) == 2

@@ -11,7 +11,6 @@ from stribeck.waveforms import (
     SumSignal,
 )
 from stribeck.waveforms.pieces import JUMP, pieces
-from stribeck.waveforms.sums import least_of
 
 
 def points(t, value):
@@ -52,11 +51,3 @@ def test_pieces_cut_at_turns_have_the_sign_of_the_rate(signal):
     assert changes[~np.isin(cut.start, whole.start)].all()  # no more cuts than reversals
     assert (cut.restart[changes] == JUMP).all()
     assert (cut.restart[~changes] == whole.restart[np.isin(whole.start, cut.start[~changes])]).all()
-
-
-@pytest.mark.parametrize("signal", MOVING)
-def test_a_lower_bound(signal):
-    least = np.min(signal.at(np.linspace(0, 10, 100_001)))
-    assert least_of(signal) <= least + 1e-4
-    if not isinstance(signal, SumSignal):  # of a sum the parts' bounds are added
-        assert least_of(signal) == pytest.approx(least, abs=1e-3)

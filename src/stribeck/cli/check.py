@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from json import dumps
 from math import inf, isfinite, nan
@@ -18,9 +18,9 @@ from stribeck.errors import InputError, arg, check_all, note, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
+    from stribeck.parameter_sets.assignments import Toml
     from stribeck.properties import Verdicts
     from stribeck.properties.ports import MachineVerdicts
-    from stribeck.scenario import Scenario
 
 _DEFAULT_SET = "canudas1995"
 STEEPNESS = "Steepness"
@@ -103,23 +103,34 @@ def check(
         if v_max is not None:
             require_positive("v_max", v_max, "m/s")
 
-    texts = set_ or []
+    texts, of_machine = set_ or [], what.lower().endswith(".toml")
     check_all(positive, lambda: parse_assignments(texts), lambda: level_of(level), lambda: _forces(force or []))
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
-    asked: _Machine | _Law
-    if what.lower().endswith(".toml"):
-        asked = _Machine.from_options(what, set_ or [], force or [], of_law, trust)
-    elif force:
+    if of_machine and (wrong := [arg(name) for name, x in of_law.items() if x is not None]):
+        raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
+    if force and not of_machine:
         text = "needs a machine's FILE.toml: it bounds a link, a load or a motor there"
         raise InputError(f"--force: {force[0]!r}: {text}")
+    if of_machine:
+        asked = _machine(Path(what), texts, _forces(force or []), trust)
     else:
-        asked = _Law.from_options(what, parameters, set_ or [], level, tolerances.given(), trust)
+        asked = _law(what, parameters, parse_assignments(texts), level_of(level), tolerances.given())
     _decide(asked, v_max, out, certificate, verify=verify, json=json)
     return 0
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """What is checked: its name, the user's files that it is from, its verdicts up to a speed, more entries of the JSON."""
+
+    name: str
+    reads: tuple[Path, ...]
+    verdicts: Callable[[float | None], Verdicts | MachineVerdicts]
+    json_extras: Mapping[str, object]
+
+
 def _decide(
-    asked: _Machine | _Law, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
+    asked: _Asked, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
 ) -> None:
     """Decide, write the files asked for, print the verdicts."""
     with OutputFolder(out, writes=["report.html"]):
@@ -130,12 +141,10 @@ def _decide(
         if verify:
             verdicts.verify()
         files, pages = _write(verdicts, out, certificate)
-    more = asked.json_extras | {
-        name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None
-    }
+    written = {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(
         verdicts.document,
-        {**verdicts.to_dict(), **more} if json else None,
+        {**verdicts.to_dict(), **asked.json_extras, **written} if json else None,
         None if json else [*(files or ()), *(pages or ())[-1:]],
     )
 
@@ -161,109 +170,64 @@ def _write(
     return files, pages
 
 
-@dataclass(frozen=True)
-class _Machine:
-    """A machine's file, and bounds of forces in it."""
+def _machine(file: Path, assignments: list[str], forces: dict[str, float], trust: bool) -> _Asked:
+    """The contacts of a machine, under bounds of forces in it."""
+    from stribeck.properties import check as decide
 
-    reads: tuple[Path, ...]
-    scenario: Scenario
-    forces: dict[str, float]
-
-    @classmethod
-    def from_options(
-        cls, file: str, assignments: list[str], forces: list[str], of_law: Mapping[str, object], trust: bool
-    ) -> _Machine:
-        """The machine with its bounds.
-
-        Raises:
-            InputError: something of one law is given, or the file is no valid machine.
-        """
-        if wrong := [arg(name) for name, x in of_law.items() if x is not None]:
-            raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
-        stated = _forces(forces)
-        return cls((Path(file),), load_scenario(Path(file), assignments, trust), stated)
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.scenario.name
-
-    @property
-    def json_extras(self) -> dict[str, object]:
-        """Entries of the JSON other than the verdicts."""
-        return {"forces": self.forces}
-
-    def verdicts(self, v_max: float | None) -> MachineVerdicts:
-        """The verdicts on its contacts and the whole."""
-        from stribeck.properties import check as decide
-
-        return decide(self.scenario, v_max, forces=self.forces)
+    scenario = load_scenario(file, assignments, trust)
+    return _Asked(scenario.name, (file,), lambda v_max: decide(scenario, v_max, forces=forces), {"forces": forces})
 
 
-@dataclass(frozen=True)
-class _Law:
-    """A law as the command line has it, and what is asked of it."""
+def _law(
+    name: str, parameters: str | None, given: dict[str, Toml], level: tuple[float, float] | None, tolerated: dict[str, object]
+) -> _Asked:  # fmt: skip
+    """A law with its constants.
 
-    reads: tuple[Path, ...]  # the user's files that it is from
-    law: Law
-    level: tuple[float, float] | None
-    tolerated: dict[str, object]
-    open_k_v: bool  # the smallest one is looked for, and the verdicts are on the law with it
-    from_file: bool  # of a user
+    Raises:
+        InputError: it is not known, or a constant is not allowed.
+    """
+    from stribeck import laws
 
-    @classmethod
-    def from_options(
-        cls, name: str, parameters: str | None, assignments: list[str], level: str | None, tolerated: dict[str, object],
-        trust: bool,
-    ) -> _Law:  # fmt: skip
-        """The law with its constants.
+    reads = Path(name.rpartition(":")[0]), Path(parameters or "")
+    open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
+    if parameters is None and _lacks_parameters(name, given):
+        parameters = _DEFAULT_SET
+        note(f"no parameters given: checked with the set {parameters}")
+    law = laws.law(name, parameters, **{**given, **({"k_v": 1.0} if open_k_v else {})})
+    if problem := laws.trouble(law):
+        raise InputError(f"{name!r}: {problem}")
 
-        Raises:
-            InputError: it is not known, or a constant is not allowed.
-        """
-        from stribeck import laws
-        from stribeck.parameter_sets.assignments import parse_assignments
+    def verdicts(v_max: float | None) -> Verdicts:
+        found = _verdicts(law, v_max, level, tolerated, open_k_v)
+        if ":" in name and found.properties:
+            _note_what_makes_no_sense(found.law, found)
+        return found
 
-        reads = Path(name.rpartition(":")[0]), Path(parameters or "")
-        bounds, given = level_of(level), parse_assignments(assignments)
-        open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
-        if parameters is None and _lacks_parameters(name, given):
-            parameters = _DEFAULT_SET
-            note(f"no parameters given: checked with the set {parameters}")
-        law = laws.law(name, parameters, **{**given, **({"k_v": 1.0} if open_k_v else {})})
-        if problem := laws.trouble(law):
-            raise InputError(f"{name!r}: {problem}")
-        return cls(reads, law, bounds, tolerated, open_k_v, ":" in name)
+    return _Asked(law.name, reads, verdicts, {})
 
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.law.name
 
-    @property
-    def json_extras(self) -> dict[str, object]:
-        """Entries of the JSON other than the verdicts."""
-        return {}
+def _verdicts(
+    law: Law, v_max: float | None, level: tuple[float, float] | None, tolerated: dict[str, object], open_k_v: bool
+) -> Verdicts:
+    """The verdicts and, if tolerances are given, the smallest k_v; no verdicts if no k_v will do.
 
-    def verdicts(self, v_max: float | None) -> Verdicts:
-        """The verdicts and, if tolerances are given, the smallest k_v; no verdicts if no k_v will do."""
-        from stribeck.properties import Verdicts
-        from stribeck.properties import check as decide
+    With ``open_k_v`` the verdicts are on the law with that k_v.
+    """
+    from stribeck.properties import Verdicts
+    from stribeck.properties import check as decide
 
-        law, steepness = self.law, {}
-        if self.tolerated:
-            from stribeck.properties.steepness import Tolerated, smallest_steepness
+    if not tolerated:
+        return decide(law, v_max, level=level)
+    from stribeck.properties.steepness import Tolerated, smallest_steepness
 
-            steepness = smallest_steepness(law, Tolerated.given({**self.tolerated, "v_max": v_max}))
-            if self.open_k_v:
-                if not (k_v := steepness[law.name].k_v):
-                    return Verdicts(law, {}, v_max, steepness=steepness)
-                law = law.replace(k_v=k_v)
-        verdicts = decide(law, v_max, level=self.level)
-        verdicts.steepness = steepness
-        if self.from_file:
-            _note_what_makes_no_sense(law, verdicts)
-        return verdicts
+    steepness = smallest_steepness(law, Tolerated.given({**tolerated, "v_max": v_max}))
+    if open_k_v:
+        if not (k_v := steepness[law.name].k_v):
+            return Verdicts(law, {}, v_max, steepness=steepness)
+        law = law.replace(k_v=k_v)
+    verdicts = decide(law, v_max, level=level)
+    verdicts.steepness = steepness
+    return verdicts
 
 
 def _note_what_makes_no_sense(law: Law, verdicts: Verdicts) -> None:

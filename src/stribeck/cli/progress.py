@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from stribeck.errors import printable
@@ -16,44 +16,24 @@ _EVERY = 10.0  # s, between two lines of progress in a log file
 _UNSEEN = 0.5  # s, that a command takes without a bar
 
 
-@contextmanager
-def progress(what: str) -> Iterator[Callable[..., None]]:
-    """Progress on standard error of work that reports the share done (None: the bar moves), and its stage if it has some."""
-    with _shown(what) as tell:
-        yield lambda share, stage="": tell(share, stage, "")
+def progress(what: str) -> AbstractContextManager[Callable[..., None]]:
+    """Progress on standard error of work that reports the share done (None: the bar moves), and its stage if it has some.
+
+    It is a bar on a terminal, elsewhere lines.
+    """
+    return (_bar if sys.stderr.isatty() else _lines)(printable(what))
 
 
 @contextmanager
-def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None]]:
-    """The same with the rate in units per second, for work that reports the share done and the number of units done."""
-    from time import monotonic
-
-    with _shown(what) as show:
-        started = monotonic()
-
-        def tell(share: float, count: float) -> None:
-            show(share, "", f"{count / max(monotonic() - started, 1e-9):.0f} {unit}/s" if unit else "")
-
-        yield tell
-
-
-@contextmanager
-def _shown(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
-    """A function that shows share, stage and rate: as a bar on a terminal, elsewhere as lines."""
-    with (_bar if sys.stderr.isatty() else _lines)(printable(what)) as tell:
-        yield tell
-
-
-@contextmanager
-def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
+def _lines(what: str) -> Iterator[Callable[..., None]]:
     """A line each :data:`_EVERY` seconds, as for a log file."""
     from threading import Event, Thread
     from time import monotonic
 
     started, done, last = monotonic(), Event(), [""]
 
-    def tell(share: float | None, text: str, speed: str) -> None:
-        last[0] = ", ".join(x for x in (text, "" if share is None else f"{100 * share:.0f} %", speed) if x)
+    def tell(share: float | None, stage: str = "") -> None:
+        last[0] = ", ".join(x for x in (stage, "" if share is None else f"{100 * share:.0f} %") if x)
 
     def write() -> None:
         while not done.wait(_EVERY):
@@ -69,33 +49,31 @@ def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
 
 
 @contextmanager
-def _bar(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
+def _bar(what: str) -> Iterator[Callable[..., None]]:
     """A bar that appears after half a second and moves from then on, also without reports."""
     from threading import Timer
 
     bars: list[tuple[Progress, TaskID]] = []
-    last: list[tuple[float | None, str, str]] = [(None, "", "")]
+    last: list[tuple[float | None, str]] = [(None, "")]
 
     def put(bar: Progress, task: TaskID) -> None:
-        share, text, speed = last[0]
-        total, description = None if share is None else 1.0, f"{what}: {text}" if text else what
-        bar.update(task, completed=share or 0.0, total=total, speed=speed, description=description)
+        share, stage = last[0]
+        total, description = None if share is None else 1.0, f"{what}: {stage}" if stage else what
+        bar.update(task, completed=share or 0.0, total=total, description=description)
 
     def start() -> None:
         from rich.console import Console
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-        columns = (
-            SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TimeElapsedColumn(),
-            TextColumn("{task.fields[speed]}"),
-        )  # fmt: skip
+        said = TextColumn("{task.description}", markup=False)
+        columns = SpinnerColumn(), said, BarColumn(bar_width=24), TimeElapsedColumn()
         bar = Progress(*columns, console=Console(stderr=True), transient=True)
-        bars.append((bar, bar.add_task(what, total=None, speed="")))
+        bars.append((bar, bar.add_task(what, total=None)))
         put(*bars[0])
         bar.start()
 
-    def tell(share: float | None, text: str, speed: str) -> None:
-        last[0] = (share, text, speed)
+    def tell(share: float | None, stage: str = "") -> None:
+        last[0] = share, stage
         for each in bars:
             put(*each)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, flag, output_path, setting
 from stribeck.cli.output import OutputFolder, tell
-from stribeck.cli.progress import rate
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError, check_all
 
 if TYPE_CHECKING:
@@ -45,8 +45,12 @@ def sweep(
     loaded = source.load(lanes)
     job = Sweep(loaded, lanes(), out, summary)
     started = perf_counter()
-    with OutputFolder(out), rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as share:
-        job.run(threads, share)
+    with OutputFolder(out), progress(f"{loaded.name}: {len(job.lanes)} lanes") as tell_share:
+
+        def rated(share: float, count: float) -> None:
+            tell_share(share, f"{count / max(perf_counter() - started, 1e-9):.0f} lanes/s")
+
+        job.run(threads, rated)
     seconds = perf_counter() - started
     all_failed = job.failed == len(job.lanes)
     data = {

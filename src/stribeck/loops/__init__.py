@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stribeck.constants import which_controller
 from stribeck.errors import InputError, arg, nearest, read_pairs
 from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
@@ -166,9 +167,7 @@ def design(
 
 def _controller(loop: Loop, name: str | None) -> str:
     known = [c.name for c in loop.scenario.system.controllers]
-    if name is not None and name not in known:
-        raise InputError(f"{arg('controller')}: {name!r}: must be one of {', '.join(known)}")
-    return name or known[0]
+    return which_controller(name or known[0], known)
 
 
 def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:

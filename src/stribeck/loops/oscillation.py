@@ -29,9 +29,3 @@ def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
     first, last = crossing(up.argmax(axis=1)), crossing(up.shape[1] - 1 - up[:, ::-1].argmax(axis=1))
     period = np.where(count > 1, (last - first) / np.maximum(count - 1, 1), np.nan)
     return 0.5 * (highest - lowest), period.reshape(y.shape[:-1])[()]
-
-
-def first_maximum(y: Array) -> int:
-    """The index of the first local maximum; of the last value if there is none."""
-    falls = np.flatnonzero(np.diff(y) < 0)
-    return int(falls[0]) if len(falls) else len(y) - 1

@@ -151,16 +151,3 @@ def sum_with(sines: int) -> type[SumSignal]:
 
 
 KINDS: dict[str, type[Signal]] = {SumSignal.kind: SumSignal}
-
-
-def least_of(signal: Signal) -> float:
-    """A lower bound of a signal for t >= 0; for curves the least of 4001 values, for sums the sum of the parts' bounds."""
-    if isinstance(signal, SumSignal):
-        return sum(map(least_of, signal.parts))
-    if isinstance(signal, SineSignal):
-        return signal.values["offset"] - abs(signal.values["amplitude"])
-    if signal.smooth:
-        return float(np.min(signal.at(np.linspace(0.0, max(signal.pieces[-1][0], 0.0), 4001))))
-    s = signal.segments
-    ends = s.value[:-1] + s.slope[:-1] * np.diff(s.start)
-    return -inf if s.slope[-1] < 0 else float(np.min([*s.value, *ends]))
