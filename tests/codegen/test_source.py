@@ -1,7 +1,6 @@
 """The generated C as a text: it compiles without a warning, its names are readable and clash with nothing."""
 
 import cProfile
-import re
 import subprocess
 import threading
 
@@ -9,11 +8,11 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.codegen import parts, source
+from stribeck.codegen import source
 from stribeck.laws import BristleLaw, law
 from stribeck.laws.form import USUAL
 from stribeck.laws.render import equations
-from stribeck.simulation import cache, compiler, simulate
+from stribeck.simulation import compiler, simulate
 from tests.codegen.systems import IDS, VARIANTS, systems
 from tests.machine import machines
 from tests.simulation.rig import needs_compiler, rig, solved
@@ -204,47 +203,3 @@ def test_the_work_grows_little_faster_than_the_machine():
         profile.disable()
         calls.append(sum(each.callcount for each in profile.getstats()))
     assert calls[1] < 2.6 * calls[0]
-
-
-@pytest.mark.thorough
-@needs_compiler
-def test_long_functions_in_parts_give_the_same_numbers(monkeypatch, tmp_path):
-    """With a search for a root among the statements: an elasto-plastic law's steady force in a compensation."""
-    monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
-    rub = {
-        "name": "elastoplastic_majorant", "k_v": 5e3, "z_ba": 1e-3,
-        "parameters": {"sigma_0": 25.0, "sigma_1": 0.05, "sigma_2": 4e-4, "F_c": 0.06, "F_s": 0.08, "v_s": 0.8},
-    }  # fmt: skip
-    controller = {
-        "kind": "pid", "on": "a", "measures": "a", "K_p": 50.0, "K_i": 10.0, "K_d": 1.0,
-        "signal": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0},
-        "compensation": {"speed": "reference", "law": rub},
-    }  # fmt: skip
-    bodies, law = {"a": {"mass": 1.0}, "b": {"mass": 0.5}}, {"rub": {"from": "a", "law": rub}}
-    links = {"spring": {"from": "a", "to": "b", "stiffness": 1e3, "damping": 1.0}}
-    scenario = Scenario(machines.machine(bodies, contacts=law, links=links, controllers={"u": controller}))
-    whole = simulate(scenario)
-    source.cache_clear()
-    monkeypatch.setattr(cache, "_loaded", {})
-    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "other"))
-    monkeypatch.setattr(parts, "_WHOLE", 5)
-    monkeypatch.setattr(parts, "_PART", 3)
-    text = source(scenario.system)
-    assert len(re.findall(r"^static NOINLINE void rates_\d+\(", text, re.MULTILINE)) > 3
-    file = tmp_path / "parts.c"
-    file.write_text(text)
-    process = subprocess.run(
-        [*compiler.find().command, *STRICT, "-fsyntax-only", file], capture_output=True, text=True, check=False
-    )
-    assert process.returncode == 0, process.stderr
-    cut = simulate(scenario)
-    source.cache_clear()
-    assert cut.stats["built"]
-    scale = np.abs(whole.states).max(axis=0)
-    np.testing.assert_allclose(cut.states / scale, whole.states / scale, rtol=0, atol=1e-9)
-
-
-def test_no_function_of_a_long_chain_is_long():
-    """The compiler's work grows faster than a function: parts keep it as n."""
-    functions = re.split(r"^}", source(chain(40)), flags=re.MULTILINE)
-    assert max(text.count("\n") for text in functions) < 700

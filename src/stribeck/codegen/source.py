@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -9,7 +10,6 @@ from importlib.resources import files
 
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
-from stribeck.codegen.parts import in_parts, unused
 from stribeck.errors import unbroken
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import ONE, ZERO, Expr, is_zero, ordered, symbol, symbols
@@ -24,7 +24,7 @@ _RESERVED = (
         """
     p c t x dx piece jac fac shift inv_shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
-    floor_of piece_ w dw m u e between force force_error force_terms which noise memory timing sample watch moved_energy
+    floor_of piece_ w dw m u e force force_error force_terms which noise memory timing sample watch moved_energy
     N FORCES WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED BY_TIME LANES GROUPS BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
     )
@@ -358,11 +358,10 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
         else:
             lines = Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
-        parts, lines = ("", [*loads, *lines]) if strict or end else in_parts(name, arguments, loads, lines)
-        lines += [end] if end else []
-        body = "".join(f"    {line}\n" for line in [*unused(arguments, lines), *lines])
+        lines = [*loads, *lines, *([end] if end else [])]
+        body = "".join(f"    {line}\n" for line in [*_unused(arguments, lines), *lines])
         how, first = ("STRICT static", "    STRICT_BODY\n") if strict else ("static inline", "")
-        return f"{parts}/* {what} */\n{how} {result} {name}({arguments})\n{{\n{first}{body}}}"
+        return f"/* {what} */\n{how} {result} {name}({arguments})\n{{\n{first}{body}}}"
 
 
 _UNUSED = """\
@@ -424,6 +423,13 @@ def _unique(names: Iterable[str]) -> list[str]:
             field += "_"
         result.append(field)
     return result
+
+
+def _unused(arguments: str, body: Sequence[str]) -> list[str]:
+    """Statements that mention those parameters of a function which its body does not."""
+    words = {word for line in body for word in re.findall(r"(?<![\w>.])[A-Za-z_]\w*", line)}
+    names = [argument.replace("*", " ").split()[-1] for argument in arguments.split(",")]
+    return [f"(void){name};" for name in names if name not in words]
 
 
 def _comment(text: str) -> str:
