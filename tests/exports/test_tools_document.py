@@ -14,7 +14,7 @@ import stribeck
 from stribeck.cli import _status
 from stribeck.errors import MissingExtra
 from stribeck.exports import export
-from stribeck.exports.python import to_control, to_jax, to_torch
+from stribeck.exports.python import to_jax, to_torch
 
 ROOT = Path(__file__).parent.parent.parent
 TEXT = (ROOT / "docs" / "reference" / "tools.md").read_text(encoding="utf-8")
@@ -96,14 +96,6 @@ def test_callback_in_c(tmp_path, monkeypatch):
     assert travels[0] != travels[1]  # two ways to look ahead, both of the first order
 
 
-@pytest.mark.thorough
-def test_python_control(capsys):
-    pytest.importorskip("control")
-    (rig,) = run_python("python-control")
-    assert rig["slip"].y[0, -1] > 1
-    assert float(capsys.readouterr().out) == rig["slip"].y[0, -1]
-
-
 def test_jax(capsys):
     jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install jax")
     before = jax.config.jax_enable_x64
@@ -116,7 +108,7 @@ def test_jax(capsys):
 
 def test_a_missing_package_is_named_with_the_way_to_get_it(monkeypatch):
     law = stribeck.law("lugre_majorant", "canudas1995", k_v=1e6)
-    converted = {"control": to_control, "jax": to_jax, "torch": to_torch}
+    converted = {"jax": to_jax, "torch": to_torch}
     for module, convert in converted.items():
         monkeypatch.setitem(sys.modules, module, None)
         with pytest.raises(MissingExtra, match=rf"needs [a-z]+: pip install {module}"):

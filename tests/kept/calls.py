@@ -31,7 +31,6 @@ from stribeck.codegen import source
 from stribeck.constants import show
 from stribeck.exports import contact_law
 from stribeck.exports.exchange import from_bam
-from stribeck.exports.python import to_control
 from stribeck.exports.python.constants import with_load
 from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import constant, derivative, symbol, symbols
@@ -600,22 +599,6 @@ def _came(name, words):
 
 for _name in ENDS:
     kept(f"options/{_name}")(functools.partial(_passed_on, _name))
-
-
-@kept("python/control")
-def _():
-    pytest.importorskip("control")
-    for name, law in laws():
-        yield f"== {name}"
-        try:
-            system = to_control(law, 2.0)
-        except InputError as error:
-            yield from error.problems
-            continue
-        yield f"{system.input_labels} {system.output_labels} {system.state_labels}"
-        for x in ([0.0, 1e-3, 1e-6], [0.1, -0.2, 5e-6]):
-            state = np.array(x[: system.nstates])
-            yield f"{numbers(system.dynamics(0.0, state, [0.5]))}; {numbers(system.output(0.0, state, [0.5]))}"
 
 
 U, W = symbol("u"), symbol("w")

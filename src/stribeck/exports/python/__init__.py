@@ -1,7 +1,6 @@
 """Laws as objects of other Python libraries; each function needs its library."""
 
 from stribeck.exports.python.jax import to_jax
-from stribeck.exports.python.python_control import response, to_control
 from stribeck.exports.python.torch import to_torch
 
-__all__ = ["response", "to_control", "to_jax", "to_torch"]
+__all__ = ["to_jax", "to_torch"]
