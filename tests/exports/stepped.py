@@ -25,6 +25,16 @@ class Stepped:
         with np.errstate(all="ignore"):
             return p, given, stepping.solved(np, stepping.loop, self.equations, p, given)
 
+    def slopes(self, p, given, solution):
+        """The derivatives of z and the friction by each of the five given values and each constant."""
+        each = {}
+        for name in (*range(5), *self.constants):
+            moved, constants = [np.full(len(given[0]), float(i == name)) for i in range(5)], {}
+            if name in self.constants:
+                constants = {name: np.ones(len(given[0]))}
+            each[name] = stepping.tangent(np, self.equations, p, solution, given, moved, constants)
+        return each
+
     def __call__(self, *given, **constants):
         """z and the friction after the step, for z, v, effort, inertia, dt."""
         return self.solve(*given, **constants)[2][:2]

@@ -17,11 +17,10 @@ SAMPLE = ("lugre_majorant", "elastoplastic", "stribeck")
 
 def both(name):
     """A step with gradients of friction + z, from NumPy."""
-    from stribeck.exports.python import stepping
-
     step = Stepped(law(name))
     p, given, (x, force, w, jump) = step.solve(*problems(step.law, 40, 3, wide=False))
-    first, each = stepping.adjoint(np, step.equations, p, (x, w, jump), given, np.ones(40), np.ones(40))
+    slopes = step.slopes(p, given, (x, w, jump))
+    first, each = [np.add(*slopes[i]) for i in range(5)], {n: np.add(*slopes[n]) for n in step.constants}
     return step, given, (x, force), first, each
 
 

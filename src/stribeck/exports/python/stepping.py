@@ -135,19 +135,3 @@ def tangent(
     pushed = effort_ + k * v_ - (w - v) / dt * (inertia_ - k * dt_)
     w_ = xp.where(jump, 0 * w, (pushed - force_held) / slope)
     return z_held + z_w * w_, xp.where(jump, pushed, force_held + force_w * w_)
-
-
-def adjoint(
-    xp: ModuleType, law: Value, p: Value, solution: Value, given: Value, by_z: Value, by_force: Value
-) -> tuple[Value, Value]:
-    """The adjoint of :func:`tangent`: gradients by the five given values, and by constants (by name)."""
-    x, w, jump = solution
-    _, v, _, _, dt = given
-    k, relief, z_w, force_w, force_z, rate, slope = partial(xp, law, p, x, w, given)
-    c = xp.where(jump, -by_force, -(by_z * z_w + by_force * force_w) / slope)
-    b = xp.where(jump, 0 * w, by_force + c)
-    a = (by_z + force_z * b) / relief
-    changed = (w - v) / dt
-    gradients = (a, -k * c, -c, c * changed, a * rate - c * k * changed)
-    each = law.by_constants(p, w, x)
-    return gradients, {name: a * dt * rate_c + b * force_c for name, (rate_c, force_c) in each.items()}
