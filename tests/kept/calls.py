@@ -13,6 +13,7 @@ import tomllib
 import warnings
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -31,7 +32,9 @@ from stribeck.codegen import source
 from stribeck.constants import show
 from stribeck.exports import contact_law
 from stribeck.exports.exchange import from_bam
-from stribeck.exports.python.constants import with_load
+from stribeck.exports.optional import Operations
+from stribeck.exports.python import stepping
+from stribeck.exports.python.arrays import ArrayLaw
 from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import constant, derivative, symbol, symbols
 from stribeck.expressions.intervals import Box
@@ -667,6 +670,20 @@ def _():
                     yield f"{name} {constant_name}={x:g}: {message}"
 
 
+class OnNumPy(ArrayLaw):
+    """A law on NumPy's arrays, as torch and JAX have it."""
+
+    def __init__(self, law):
+        names = {"atan": "arctan", "both": "logical_and", "either": "logical_or"}
+        super().__init__(law, Operations("numpy", **names), np.broadcast_arrays)
+
+    def _arrays(self, *values):
+        return [np.asarray(x, float) for x in values]
+
+    def _step(self, p, given):
+        return stepping.solved(np, stepping.loop, self._equations, SimpleNamespace(**p), given)[:2]
+
+
 @kept("python/loads")
 def _():
     for path, contact in (("loads_and_factors", "hub"), ("everything", "brush"), ("everything", "felt")):
@@ -676,7 +693,8 @@ def _():
             for given in ({}, {"F_c": 2.0}, {"F_d": 2.0}):
                 shape = None if load is None else load.shape
                 try:
-                    yield f"{shape} {given}: { {n: np.shape(x) for n, x in with_load(law, given, load).items()} }"
+                    steps = OnNumPy(law).step(0.0, 0.1, 0.5, 2.0, 1e-3, load, **given)
+                    yield f"{shape} {given}: {'; '.join(map(numbers, steps))}"
                 except InputError as error:
                     yield from (f"{shape} {given}: {x}" for x in error.problems)
 
