@@ -137,8 +137,8 @@ def test_a_contact_spoils_it_and_the_run_shows_how():
     assert result.spoiled_by == ["mesh"]
     verdict = result["mesh"]["passive"]
     assert verdict.holds is False
-    assert replay.repeats(verdict.scenario, verdict.stated)
-    assert verdict.stated["E_in"] < 0
+    assert replay.repeats(verdict.scenario, verdict.evidence["replay"])
+    assert verdict.evidence["replay"]["E_in"] < 0
     # F_s+ may be (1 + sigma_2/sigma_1) F_c- = 7: the gear may carry (7 - 1.5)/0.2 = 27.5
     for most, holds in ((27.4, True), (27.6, False)):
         again = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), forces={"gear": most})
@@ -151,7 +151,7 @@ def test_other_constants_that_vary():
     result = stribeck.check(machine(factors={"sigma_2": {"signal": signal}}))
     verdict = result["mesh"]["passive"]
     assert verdict.holds is False
-    assert replay.repeats(verdict.scenario, verdict.stated)
+    assert replay.repeats(verdict.scenario, verdict.evidence["replay"])
 
 
 def test_laws_without_z():

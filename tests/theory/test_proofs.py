@@ -1,11 +1,10 @@
 """The steps of the proofs in docs/explanation/theory.md, numbered there, from the equations that are simulated.
 
-SymPy checks identities and limits; python-flint's balls, rounded outward, check inequalities over whole ranges.
+Only steps that no theorem of proofs/ contains: numbers, limits, and how fast something is reached.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
 from math import e, pi, sqrt
 
 import numpy as np
@@ -16,13 +15,9 @@ from scipy.optimize import brentq
 
 from stribeck import law
 from stribeck.laws import builtin
-from stribeck.laws.elastoplastic import ElastoPlasticMajorant
-from stribeck.laws.form import USUAL, Form
+from stribeck.laws.form import USUAL
 from stribeck.laws.terms import m, m_0
 from stribeck.parameter_sets import parameters
-
-flint = pytest.importorskip("flint")
-arb = flint.arb
 
 P = parameters()["canudas1995"].values
 s0, s1, s2, F_c, F_s, v_s, k_v, v_d = SYMBOLS = sp.symbols("sigma_0 sigma_1 sigma_2 F_c F_s v_s k_v v_d", positive=True)
@@ -89,14 +84,6 @@ def test_3_arctan_is_not_passive():
 # -- lugre_sobczyk ---------------------------------------------------------------------------------------------------
 
 
-def test_4_sobczyk_is_bounded():
-    """f sgn z = v S (S - z/g) for v, z > 0, which changes sign at z = S g < Z."""
-    p = constants("lugre_sobczyk")
-    rate = builtin()["lugre_sobczyk"].dz_dt(p, v, z)
-    smooth, width = 2 / sp.pi * sp.atan(k_v * v), (F_c + (F_s - F_c) * sp.exp(-((v / v_s) ** 2))) / s0
-    assert abs(numeric(rate - v * smooth * (smooth - z / width))) < 1e-14
-
-
 def drawn(charged, slow, table, steep):
     """E(e) of docs/explanation/theory.md as numbers: F v/f from 0 to z_0, v = -e/k_v."""
     back, size = -slow / steep, (2 / np.pi) * np.arctan(slow)
@@ -104,24 +91,6 @@ def drawn(charged, slow, table, steep):
     log = np.log1p(charged / (size * width))
     elastic = table["sigma_0"] * width / size * (charged - size * width * log)
     return elastic - table["sigma_1"] * slow / steep * charged - table["sigma_2"] * slow / steep * width / size * log
-
-
-def test_5_the_energy_drawn_from_sobczyk_symbolically():
-    slow, charged = sp.symbols("e z_0", positive=True)
-    zz = sp.Symbol("zz", positive=True)
-    back, rate = -slow / k_v, -(slow / k_v) * S * (S + zz / g)
-    power = (s0 * zz + s1 * rate + s2 * back) * back / rate
-    formula = (
-        s0 * g / S * (zz - S * g * sp.log(1 + zz / (S * g)))
-        - s1 * slow / k_v * zz
-        - s2 * slow / k_v * g / S * sp.log(1 + zz / (S * g))
-    )
-    assert sp.simplify(sp.diff(formula, zz) - power) == 0
-    assert formula.subs(zz, 0) == 0
-    # [6] with S ~ 2 e/pi
-    smooth = 2 / sp.pi * sp.atan(slow)
-    leading = sp.limit((slow * formula.subs({zz: charged})).subs(S, smooth), slow, 0)
-    assert sp.simplify(leading - sp.pi * s0 * g * charged / 2) == 0
 
 
 @pytest.mark.parametrize("set_name", parameters())
@@ -150,28 +119,6 @@ def test_5_and_6_numbers():
 
 
 @pytest.mark.parametrize("word", FORMS)
-def test_7_to_9_majorants(word):
-    """|v| <= m <= |v| + m(0), on the whole axis by symmetry: with intervals to x = 1e6, symbolically beyond."""
-    at = sp.Symbol("at", real=True)
-    form = sp.nsimplify(majorant(word, 1, at).subs(at, x), rational=False)
-    gap = float(m_0(type("p", (), {"smooth_abs": word, "k_v": 1.0})))
-    assert float(form.subs(x, 1e-12)) == pytest.approx(gap)
-    if word == "atan":
-        rise = sp.diff(x * sp.atan(1 / x), x)
-        assert sp.simplify(rise - (sp.atan(1 / x) - x / (1 + x**2))) == 0
-        assert sp.simplify(sp.diff(rise, x) + 2 / (1 + x**2) ** 2) == 0
-        assert sp.limit(rise, x, sp.oo) == 0
-        assert sp.limit(x * sp.atan(1 / x), x, sp.oo) == 1
-    elif word == "sqrt":
-        assert sp.simplify((sp.sqrt(x**2 + 1) - x) * (sp.sqrt(x**2 + 1) + x)) == 1
-    else:
-        polynomial = (3 + 6 * x**2 - x**4) / 8
-        assert sp.expand((1 - x) ** 3 * (3 + x) / 8 - (polynomial - x)) == 0
-        at_one = [sp.diff(polynomial, x, n).subs(x, 1) for n in range(4)]
-        assert at_one == [1, 1, 0, -3]  # |x| has 1, 1, 0, 0: twice differentiable, not thrice
-
-
-@pytest.mark.parametrize("word", FORMS)
 @pytest.mark.parametrize("steep", [1e-3, 1.0, 1e7])
 def test_majorants_as_they_are_computed(word, steep):
     speeds = np.concatenate([[0.0], np.geomspace(1e-9, 1e9, 4001)]) / steep
@@ -186,11 +133,10 @@ def test_majorants_as_they_are_computed(word, steep):
 def test_the_tail_of_each_majorant():
     """(2/(3 pi)) x^-3, x^-2/2 and 0."""
     for far in (50.0, 500.0):
-        ball = arb(far)
-        off = (2 / arb.pi()) * (ball * ball.atan() + 1) / ball - 1
-        assert float(off.mid()) == pytest.approx(2 / (3 * pi) / far**3, rel=1e-3)
-        off = (ball * ball + 1).sqrt() / ball - 1
-        assert float(off.mid()) == pytest.approx(0.5 / far**2, rel=1e-3)
+        off = {word: float(majorant(word, 1.0, far)) / far - 1 for word in FORMS}
+        assert off["atan"] == pytest.approx(2 / (3 * pi) / far**3, rel=1e-3)
+        assert off["sqrt"] == pytest.approx(0.5 / far**2, rel=1e-3)
+        assert off["compact"] == 0
 
 
 def test_no_smooth_majorant_vanishes_at_rest():
@@ -211,79 +157,9 @@ def test_10_creep(word, creep):
 # -- passivity -------------------------------------------------------------------------------------------------------
 
 
-def dissipated(name, form=USUAL):
-    """D = F v - W' f for v > 0, from the law's own functions."""
-    each, p = builtin()[name], constants(name, form)
-    rate = each.dz_dt(p, v, z)
-    return each.friction(p, v, z, rate) * v - sp.diff(each.stored_energy(p, z), z) * rate, p
-
-
-@pytest.mark.parametrize("form", [USUAL, Form(choices=(("smooth_abs", "sqrt"),)), Form(("v_d",))])
-def test_11_what_is_dissipated(form):
-    D, p = dissipated("lugre_majorant", form)
-    width = (F_c + (F_s - F_c) * sp.exp(-((v / v_s) ** 2))) / s0
-    damping = s1 * sp.exp(-((v / v_d) ** 2)) if "v_d" in form else s1
-    expected = (damping + s2) * v**2 + m(p, v) / width * (s0 * z**2 - damping * v * z)
-    assert abs(numeric(D - expected)) < 1e-12
-
-
-def test_12_the_minimum_over_z():
-    M = sp.Symbol("M", positive=True)
-    D = (s1 + s2) * v**2 + M / g * (s0 * z**2 - s1 * v * z)
-    (lowest,) = sp.solve(sp.diff(D, z), z)
-    assert sp.simplify(lowest - s1 * v / (2 * s0)) == 0
-    assert sp.simplify(D.subs(z, lowest) - v**2 * (s1 + s2 - s1**2 * M / (4 * s0 * g))) == 0
-    # [13] at Z, with (sigma_1 + sigma_2) F_c = sigma_1 F_s and g_N = F_c
-    gap = sp.Symbol("m0", positive=True)
-    bracket = sp.expand(s1 * v**2 - (v + gap) * (s1 * v - F_s))
-    assert sp.expand(bracket - (F_s * v + F_s * gap - s1 * gap * v)) == 0
-    at_bound = D.subs({z: F_s / s0, M: v + gap, s2: s1 * (F_s - F_c) / F_c, g: F_c / s0})
-    assert sp.simplify(at_bound - F_s / F_c * bracket) == 0
-
-
-@pytest.mark.parametrize("word", FORMS)
-@pytest.mark.parametrize("ratio", [1.0, 1.2, 3.0, 20.0])
-def test_13_passive_at_the_threshold_by_intervals(word, ratio):
-    """sigma_1 m(0) = F_s exactly, LuGre's condition met with equality; F_c = 1, sigma_1 = 1, for every g_N in [F_c, F_s]."""
-    top, gap = ratio, float(m_0(type("p", (), {"smooth_abs": word, "k_v": 1.0})))
-    steep = gap / top  # makes sigma_1 m(0) = F_s
-
-    k = arb(steep)
-
-    def per_speed(at):
-        """m/v with at = t/k_v."""
-        if word == "atan":
-            return 1 + (2 / arb.pi()) * (at - at.atan())
-        if word == "sqrt":
-            return (1 + at * at).sqrt()
-        inside = (3 * at + 6 / at - 1 / at**3) / 8
-        return inside if bool(at > 1) else arb(1) if bool(at < 1) else inside.union(arb(1))
-
-    # (a) v <= 2 F_s: 4 g_N (sigma_1 + sigma_2) - sigma_1^2 m > 0, least at g_N = F_c; sigma_1 + sigma_2 = F_s/F_c; m rises
-    assert bool(4 * arb(top) - 2 * arb(top) * per_speed(1 / (2 * arb(top) * k)) > 0)
-    # (b) beyond, t = 1/v <= 1/(2 F_s): D/v^2 at Z, over F_s/F_c: 1 - (m/v)(1 - F_s t) > 0
-    edges = np.append(np.geomspace(1e-9, 0.5, 1001) / top, 0.5000001 / top)
-    for low, high in pairwise(edges):
-        t = arb(low).union(arb(high))
-        assert bool(1 - per_speed(t / k) * (1 - arb(top) * t) > 0), t
-    # below 1e-9/F_s: m/v <= 1 + m(0) t = 1 + F_s t, and 1 - (1 + F_s t)(1 - F_s t) = (F_s t)^2
-
-
-@pytest.mark.parametrize("name", ["lugre", "lugre_majorant"])
-def test_14_necessary(name):
-    """F v/v^2 at a large v tends to sigma_1 + sigma_2 - sigma_1 sigma_0 z/F_c, whatever is stored."""
-    model = law(name, "canudas1995", sigma_1=1.0, sigma_2=0.3, **({"k_v": 1e6} if name != "lugre" else {}))
-    charged = 1.45 / P["sigma_0"]
-    fast = 1e7
-    assert float(model.force(fast, charged)) / fast == pytest.approx(1.0 + 0.3 - 1.45, rel=1e-5)
-    assert float(model.rate(fast, charged)) / fast == pytest.approx(1 - 1.45, rel=1e-5)
-
-
 def test_15_damping_that_falls():
     (top,) = (root for root in sp.solve(sp.diff(x * sp.exp(-(x**2)), x), x) if root > 0)
     assert sp.simplify((x * sp.exp(-(x**2))).subs(x, top) - 1 / sp.sqrt(2 * sp.E)) == 0
-    D, _ = dissipated("lugre_majorant")
-    assert sp.simplify(sp.diff(D, s1, 2)) == 0  # linear in sigma_1
     limit = 4 * sqrt(2 * e) * P["F_c"] / P["sigma_1"]
     assert limit == pytest.approx(0.0295, rel=2e-3)
     for name in ("lugre", "elastoplastic", "lugre_arctan"):
@@ -310,22 +186,3 @@ def test_16_the_smoothstep():
     )
     assert share == pytest.approx(float(step.subs(x, inside)), rel=1e-9)
     assert width > 7e-6
-
-
-def test_17_dissipation_is_linear_in_the_plastic_share():
-    """D of v - a m z/g: its second derivative by a is 0, and it is (sigma_1 + sigma_2) v^2 at a = 0."""
-    M = sp.Symbol("M", positive=True)
-    rate = v - a * M / g * z
-    D = (s0 * z + s1 * rate + s2 * v) * v - s0 * z * rate
-    assert sp.simplify(sp.diff(D, a, 2)) == 0
-    assert sp.simplify(D.subs(a, 0) - (s1 + s2) * v**2) == 0
-    p = constants("elastoplastic_majorant")
-    full = ElastoPlasticMajorant.dz_dt(p, v, sp.Rational(50)).subs(
-        {s0: 1, F_c: 1, F_s: sp.Rational(3, 2), v_s: 1, k_v: 2, NAMES["z_ba"]: sp.Rational(1, 2)}
-    )
-    sliding = (
-        builtin()["lugre_majorant"]
-        .dz_dt(constants("lugre_majorant"), v, sp.Rational(50))
-        .subs({s0: 1, F_c: 1, F_s: sp.Rational(3, 2), v_s: 1, k_v: 2})
-    )
-    assert float((full - sliding).subs(v, 0.37)) == pytest.approx(0, abs=1e-12)

@@ -21,14 +21,14 @@ from stribeck import laws
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
-from stribeck.laws.terms import m_0, sigma_1
+from stribeck.laws.terms import m_0
 from stribeck.properties import bounded, cycles, damped, drift, endless, passive, smooth, stateless, unique
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
-from stribeck.properties.storage import Storage, own_speeds
+from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
@@ -260,30 +260,18 @@ class CheckedAlways:
 
     def _shown(self) -> Iterator[tuple[Law, Verdict]]:
         """Candidate proofs and their laws, the simplest first."""
-        for any_z in (False, True):
-            law = self.varied.worst(any_z)
-            if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
-                continue  # D < 0 for large z and v
-            if law is not None and (proof := self._proved(law, any_z)) is not None:
-                yield law, proof
-        law = self.varied.worst(True)
-        if self.known and law is not None and (proof := self._damped(law)) is not None:
-            yield law, proof
-        for any_z in (False, True):
-            law = self.varied.lowest(any_z)
-            if law is not None and (proof := self._more_closely(law, any_z)) is not None:
-                yield law, proof
+        within, anywhere = self.varied.worst(), self.varied.worst(any_z=True)
+        if within is not None and (proof := self._proved(within, False)) is not None:
+            yield within, proof
+        if anywhere is not None:
+            if self.known and (proof := self._damped(anywhere)) is not None:
+                yield anywhere, proof
+            # otherwise D < 0 for large z and v
+            falls = not anywhere.values.get("sigma_1") or anywhere.values.get("v_d") is not None
+            if falls and (proof := self._proved(anywhere, True)) is not None:
+                yield anywhere, proof
         if not self.varied.varies and (held := self.held(-1, "passive")).holds:
             yield self._end(-1, "passive"), held
-
-    def _more_closely(self, law: Law, any_z: bool) -> Verdict | None:
-        """A proof with the Stribeck curve of the lowest level, for cases in which the lowest F_c is insufficient."""
-        if not _may_serve(law, self.v_max, any_z):
-            return None
-        proof = self._proved(law, any_z)
-        if proof is not None:
-            proof.evidence.pop("coq", None)  # its theorem is about the lowest F_c
-        return proof
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
@@ -297,7 +285,7 @@ class CheckedAlways:
         certificate = None if rising is None else passive.by_storage(model, claims, slope, rising, within)
         if certificate is None:
             return None
-        evidence = {"z_within": None if reach is None else float(reach), **self._theorem(any_z)}
+        evidence = {"z_within": None if reach is None else float(reach), **self._theorem(law, any_z)}
         return proved(model, certificate, _PROVED, evidence)
 
     def _damped(self, law: Law) -> Verdict | None:
@@ -306,21 +294,25 @@ class CheckedAlways:
         if certificate is None:
             return None
         words = f"at the lowest level: {damped.method(certificate)}"
-        return proved(model, certificate, words, {"z_within": None, **self._theorem(True)})
+        return proved(model, certificate, words, {"z_within": None, **self._theorem(law, True)})
 
-    def _theorem(self, any_z: bool) -> dict[str, Json]:
-        """The theorem of proofs/Level.v for every set of constants."""
-        law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
+    def _theorem(self, law: Law, any_z: bool) -> dict[str, Json]:
+        """The theorem of proofs/Level.v for every set of constants, if its condition holds; ``law`` is the worst."""
+        nominal, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
         proved_there = ("lugre", "elastoplastic", *MAJORANT)
-        if law.name not in proved_there or law.values.get("delta") is not None or varying - {"F_c", "F_s"}:
+        if nominal.name not in proved_there or nominal.values.get("delta") is not None or varying - {"F_c", "F_s"}:
             return {}
-        if self.v_max is not None or any_z != (law.values.get("v_d") is not None):
+        if self.v_max is not None or any_z != (nominal.values.get("v_d") is not None):
             return {}
-        if any_z and not damped.suffices(self.varied.worst(any_z=True)):
-            return {}  # the theorem's condition is coarser
-        form = law.choices.get("smooth_abs", "atan")
+        low, high = self.varied.newtons
+        if any_z:
+            met = damped.suffices(law)
+        else:
+            sigma_1, sigma_2 = (self.varied.range(n)[0] for n in ("sigma_1", "sigma_2"))
+            met = high is not None and sigma_1 * (high - low) <= sigma_2 * low and sigma_1 * damped.excess(law) <= high
+        form = nominal.choices.get("smooth_abs", "atan")
         word = "" if form == "atan" else f"_{form}"
-        return {"coq": f"{law.name}{word}_level_passive{'_damped' if any_z else ''}"}
+        return {"coq": f"{nominal.name}{word}_level_passive{'_damped' if any_z else ''}"} if met else {}
 
     def _refuted(self) -> Verdict | None:
         low, high = self.varied.extreme(-1), self.varied.extreme(1, self._most())
@@ -356,9 +348,8 @@ class CheckedAlways:
     def _dropped(self, low: Law, high: Law) -> Verdict | None:
         """A counterexample at the lowest level: unwinding from the highest deflection returns more energy at higher speed."""
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
-        claims = ClaimProver(model, Budget(0.2 * self.work))
         for share in _DROPS:
-            refutation = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
+            refutation = endless.unwinding(model, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
             if refutation is not None:
                 refutation.method = _DROPPED
                 refutation.evidence["levels"] = [
@@ -366,18 +357,6 @@ class CheckedAlways:
                 ]
                 return refutation
         return None
-
-
-def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
-    """Whether samples allow the elastic energy as storage, at the z of the least power loss."""
-    reach = np.inf if any_z else float(law.z_bound(law.p))
-    p, v = law.p, Storage(law, v_max, reach).v
-    v = v[v > 0]
-    with np.errstate(all="ignore"):
-        damping = p.sigma_1 if law.values.get("v_d") is None else sigma_1(p, v)
-        z = np.minimum(damping * v / (2 * p.sigma_0), reach)
-        lost = law.force(v, z) * v - p.sigma_0 * z * law.rate(v, z)
-        return bool(np.all(lost >= -1e-9 * (damping + p.sigma_2) * v**2))
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:

@@ -6,17 +6,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 
-from stribeck.expressions.graph import ZERO, Expr, derivative, substitute, symbol, symbols
+from stribeck.expressions.graph import ZERO, Expr, derivative, substitute, symbols
 from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import REST, SIGNS, Model, U, V, W, Z
 from stribeck.properties.plain import Json
-from stribeck.properties.prover.region import ExactRange, down, up
+from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
-_NUMBER = "k."  # prefix of the numbers of a claim
 _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 
 
@@ -25,9 +24,6 @@ class ClaimProver:
 
     def __init__(self, model: Model, work: Budget) -> None:
         self.model, self.work = model, work
-
-    def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Json:
-        return self.model.prover.show(expr, relation, ranges, self.work, closed, cones)
 
     @contextmanager
     def at_most(self, amount: float) -> Iterator[None]:
@@ -39,20 +35,13 @@ class ClaimProver:
         finally:
             self.work = whole
 
-    def number(self, x: Fraction) -> Expr:
-        """An exact number as a symbol."""
-        name = f"{_NUMBER}{x}"
-        if name not in self.model.values:
-            self.model.values[name] = x
-            self.model.inputs[name] = down(x), up(x)
-        return symbol(name)
-
     def _claim(
         self, about: str, relation: str, sides: tuple[int, int], ranges: Ranges, expr: Expr, closed: bool = False,
         **extra: Json,
     ) -> Claim | None:  # fmt: skip
         kept = {n: r for n, r in ranges.items() if (n == "u" and sides[0]) or (n == "w" and sides[1])}
-        tree = self._shown(expr, relation, kept, closed, about in ("power", "elastic"))
+        cones = about in ("power", "elastic")
+        tree = self.model.prover.show(expr, relation, kept, self.work, closed, cones)
         return Claim(about, relation, *sides, kept, tree, extra) if tree is not None else None
 
     # -- kinds of claims -------------------------------------------------------------------------------------------
@@ -83,7 +72,7 @@ class ClaimProver:
 
     def lipschitz(self, sides: tuple[int, int], w: ExactRange, growth: Mapping[str, Json], sign: int) -> Claim | None:
         """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
-        a, b, length = (self.number(growth[n]) for n in "abl")
+        a, b, length = (self.model.number(growth[n]) for n in "abl")
         most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
         if sides[0] == 0:
             most = substitute([most], {U: REST})[0]
@@ -94,7 +83,7 @@ class ClaimProver:
 
     def grows(self, sides: tuple[int, int], growth: Mapping[str, Json]) -> Claim | None:
         """sgn(z) dz/dt <= (a + b u^k)(w + l)."""
-        a, b, length = (self.number(growth[n]) for n in "abl")
+        a, b, length = (self.model.number(growth[n]) for n in "abl")
         u = U if sides[0] else REST
         most = (a + b * u ** growth["k"]) * (W + length)
         extra = {n: x for n, x in growth.items() if n != "m"}
@@ -105,7 +94,7 @@ class ClaimProver:
 
     def finite(self, v_side: int, growth: Mapping[str, Json], sign: int) -> Claim | None:
         """sign dz/dt <= a + b u^k at z = 0."""
-        a, b = (self.number(growth[n]) for n in "ab")
+        a, b = (self.model.number(growth[n]) for n in "ab")
         u = U if v_side else REST
         extra = {n: growth[n] for n in "abk"}
         return self._claim(
@@ -128,7 +117,7 @@ class ClaimProver:
 
     def force_form(self, s: int, t: int, data: Mapping[str, Fraction]) -> bool:
         """Whether F is k z + s exp(-(v/d)^2) dz/dt + c v."""
-        k, sigma_1, d, c = (self.number(data[n]) for n in "ksdc")
+        k, sigma_1, d, c = (self.model.number(data[n]) for n in "ksdc")
         stated = k * Z + sigma_1 * exp(-((V / d) ** 2)) * self.model.rate + c * V
         form = self.model.form_of(self.model.power_force - stated, s, t)
         return self._claim("force form", "=0", (s, t), _QUADRANT, form) is not None
@@ -143,7 +132,7 @@ class ClaimProver:
 
     def exceeds(self, s: int, t: int, data: Mapping[str, Fraction]) -> Claim | None:
         """k (|v| + above) |z| - N (v - dz/dt) sgn z >= 0."""
-        k, above, least = (self.number(data[n]) for n in ("k", "above", "N"))
+        k, above, least = (self.model.number(data[n]) for n in ("k", "above", "N"))
         u = U if s else REST
         most = k * (u + above) * W - least * self._decay(s, t) * t
         numbers: dict[str, Json] = {n: data[n] for n in ("k", "above", "N")}
@@ -155,10 +144,8 @@ class ClaimProver:
     def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Json) -> Claim | None:
         """a = b for all u and w."""
         kept = {n: r for n, r in ranges.items() if n in symbols([a, b])}
-        tree = self._shown(ZERO if a is b else a - b, "=0", kept)
-        if tree is None:
-            return None
-        return Claim("switching", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
+        difference = ZERO if a is b else a - b
+        return self._claim("switching", "=0", sides, kept, difference, **extra, a=a, b=b)
 
     def divisor(self, sides: tuple[int, int], expr: Expr, relation: str, ranges: Ranges) -> Claim | None:
         """An expression that must not be 0, on closed ranges."""

@@ -321,8 +321,9 @@ def add_run(
     if solution is None or not solution.final["E_in"] < 0:
         return
     if near is None or abs(solution.final[z] - near[0]) <= near[1]:
-        verdict.scenario, verdict.stated = tables, {name: solution.final[name] for name in ("E_in", z)}
-        verdict.evidence |= {"energy_drawn": -verdict.stated["E_in"], "replay": verdict.stated}
+        verdict.scenario = tables
+        final = {name: solution.final[name] for name in ("E_in", z)}
+        verdict.evidence |= {"energy_drawn": -final["E_in"], "replay": final}
 
 
 def find_swings(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:

@@ -86,9 +86,7 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
         if moved is None:
             break
         evidence, tables = moved
-        best = Verdict(
-            False, _MOVED, {"not_elastic": apart, **evidence}, tables, stated={"y": float(evidence["distance"])}
-        )
+        best = Verdict(False, _MOVED, {"not_elastic": apart, **evidence}, tables)
         if abs(evidence["distance"]) > _VISIBLE * evidence["elastic_displacement"]:
             break
     if best is not None and abs(best.evidence["distance"]) > _NOISE * best.evidence["elastic_displacement"]:
@@ -123,6 +121,6 @@ def _moved_at(law: Law, speed: float) -> tuple[dict[str, Json], dict[str, Json]]
     moved = solution.final["y"]
     evidence = {
         "largest_load": peak, "F_s": scales.force, "cycles": _CYCLES, "time": times[-1], "distance": moved,
-        "elastic_displacement": length, "replay": {"y": moved},
+        "elastic_displacement": length, "replay": {"y": float(moved)},
     }  # fmt: skip
     return evidence, tables

@@ -10,7 +10,6 @@ import numpy as np
 from stribeck.expressions.graph import wrap
 from stribeck.expressions.intervals import Box, Range
 from stribeck.properties import cycles
-from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
@@ -51,7 +50,7 @@ def steady_gain(model: Model, storage: Storage) -> Verdict | None:
     return None
 
 
-def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
+def without_limit(model: Model, storage: Storage, unrestricted: bool) -> Verdict | None:
     """A range of z on which unwinding returns energy that grows with speed without limit."""
     law = model.law
     fast = own_speeds(law)[-1] * 1e4
@@ -59,7 +58,7 @@ def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestric
     tops = [top * 10.0**k for k in range(10)] if unrestricted else [top]
     # near a threshold the elastic force matters up to higher speeds
     for z_top, share, near, s, t in product(tops, _SHARES, (False, True), SIGNS, SIGNS):
-        verdict = unwinding(model, claims, (s, t), fast / share if near else fast, z_top, share)
+        verdict = unwinding(model, (s, t), fast / share if near else fast, z_top, share)
         if verdict is not None:
             if (run := cycles.unwinding(law, storage, t * z_top, s)) is not None:
                 verdict.evidence |= run.evidence()
@@ -68,9 +67,7 @@ def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestric
     return None
 
 
-def unwinding(
-    model: Model, claims: ClaimProver, sides: tuple[int, int], fast: float, top: float, share: float
-) -> Verdict | None:
+def unwinding(model: Model, sides: tuple[int, int], fast: float, top: float, share: float) -> Verdict | None:
     """A proof that unwinding from z = t ``top`` to (1 - ``share``) of it at v = s u, u >= ``fast``, returns energy like u."""
     law, (s, t) = model.law, sides
     u = np.geomspace(fast, fast * 1e12, 7)[:, None]
@@ -86,9 +83,9 @@ def unwinding(
     ranges = {"u": (start, None), "w": (Fraction(float(w[0])), Fraction(top))}
     f, force_form = model.form(s, t), model.form_of(model.power_force, s, t)
     claims_made = (
-        (-force_form * s - claims.number(c) * U, ">=0"),
+        (-force_form * s - model.number(c) * U, ">=0"),
         (f * -t, ">0"),
-        (claims.number(most) * U + f * t, ">=0"),
+        (model.number(most) * U + f * t, ">=0"),
     )
     work = Budget(_WORK)
     if any(model.prover.show(wrap(e), relation, ranges, work) is None for e, relation in claims_made):

@@ -8,7 +8,6 @@ import numpy as np
 
 from stribeck.expressions.graph import wrap
 from stribeck.properties import replay
-from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, W
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
@@ -47,7 +46,7 @@ def _shown(model: Model, v: float, t: int, start: float, power: int, least: floa
     if not c > 0:
         return None
     s, work = 1 if v > 0 else -1, Budget(_WORK)
-    statement = wrap(model.form(s, t) * t - ClaimProver(model, work).number(c) * W**power)
+    statement = wrap(model.form(s, t) * t - model.number(c) * W**power)
     exact = abs(Fraction(v))
     ranges = {"u": (exact, exact), "w": (Fraction(start), None)}
     if model.prover.show(statement, ">=0", ranges, work) is None:

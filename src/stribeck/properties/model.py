@@ -31,7 +31,7 @@ from stribeck.expressions.intervals import Box, Range
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Law
 from stribeck.properties.prover.leaf import Leaf, Rules
-from stribeck.properties.prover.region import Axis, Region
+from stribeck.properties.prover.region import Axis, Region, down, up
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 from stribeck.properties.prover.search import Hints, Prover
 from stribeck.properties.storage import own_speeds
@@ -39,6 +39,7 @@ from stribeck.properties.storage import own_speeds
 V, Z, RATE, U, W, T = (symbol(n) for n in ("v", "z", "dz_dt", "u", "w", "t"))  # u = |v|, w = |z|, t = 1/u
 REST = symbol("rest")  # v or z of exactly 0; unlike a literal 0, it cancels nothing
 SIGNS = (1, -1)
+_NUMBER = "k."  # prefix of the names of numbers
 _FARTHEST = 10**300  # of the places at which regions are split: beyond it floats overflow
 
 
@@ -146,6 +147,14 @@ class Model:
         with np.errstate(all="ignore"):
             return function(*(float(self.values[n]) for n in names), *inputs.values())
 
+    def number(self, x: Fraction) -> Expr:
+        """An exact number as a symbol."""
+        name = f"{_NUMBER}{x}"
+        if name not in self.values:
+            self.values[name] = x
+            self.inputs[name] = down(x), up(x)
+        return symbol(name)
+
     # -- forms -----------------------------------------------------------------------------------------------------
 
     def form(self, v_side: int, z_side: int) -> Expr:
@@ -249,12 +258,6 @@ def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
                 return rebuild(node, (part, other) if i == 0 else (other, part))
     if node.op in ("both", "either", "where"):
         node = _without_infinite(node)
-    if node.op == "where":
-        condition = node.args[0]
-        if condition.op in ("lt", "le") and all(a.op == "constant" for a in condition.args):
-            a, b = (float(x.value) for x in condition.args)  # type: ignore[arg-type]
-            if a != b:
-                return node.args[1 if a < b else 2]
     return node
 
 

@@ -48,7 +48,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
         verdict = _proved(model, claims, storage, bounded) if storage.exists else None
     if verdict is None or verdict.holds is None:
         within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
-        no = _refuted(model, claims, within, refuted) if verdict is None or not within.exists or refuted else None
+        no = _refuted(model, within, refuted) if verdict is None or not within.exists or refuted else None
         verdict = (
             no
             or verdict
@@ -161,7 +161,7 @@ def _with_cells(
         ends = sorted(abs(Fraction(float(x))) for x in (low, high))
         if abs(float(ends[1]) - float(reach)) <= 1e-12 * float(reach):
             ends[1] = reach
-        number = claims.number(Fraction(float(value)))
+        number = model.number(Fraction(float(value)))
         with claims.at_most(most):
             part = claims.power(number, u, (ends[0], ends[1]), (side,))
         if part is None:
@@ -178,7 +178,7 @@ def _with_cells(
     return proved(model, certificate, _FITTED, evidence)
 
 
-def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
+def _refuted(model: Model, storage: Storage, unrestricted: bool) -> Verdict | None:
     law = model.law
     cycle = cycles.find(law, storage)
     if cycle is not None and (verdict := _by_cycle(model, storage, cycle)) is not None:
@@ -186,7 +186,7 @@ def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: 
     if (verdict := steady_gain(model, storage)) is not None:
         return verdict
     if model.v_max is None:
-        return without_limit(model, claims, storage, unrestricted)
+        return without_limit(model, storage, unrestricted)
     return None
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckNote
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.laws.base import Law
 from stribeck.properties.plain import Json
 
 if TYPE_CHECKING:
@@ -32,10 +32,7 @@ def law_table(law: Law) -> dict[str, Json] | None:
         if file is None or getattr(sys.modules[cls.__module__], cls.__name__, None) is not cls:
             return None
         name = f"{Path(file).resolve()}:{cls.__name__}"
-    given = law.p.numbers | law.choices
-    given |= {n: x for n, x in law.machine.items() if n not in given}
-    machine = {n: x for n, x in given.items() if n in PARAMETERS}
-    return {"name": name, **{n: x for n, x in given.items() if n not in machine}, "parameters": machine}
+    return {**law.to_dict(), "name": name}
 
 
 def scenario_of(

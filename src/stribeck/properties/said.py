@@ -53,7 +53,7 @@ _IN_STEPS = {
     **_QUANTITIES, "F_c": ("F_c", "N"), "F_s": ("F_s", "N"), "z_end": ("z at the end", "m"), "duration": ("duration", "s"),
     "z_over_Z": ("over the bound", ""), "energy_in": ("energy put in", "J"),
 }  # fmt: skip
-_AT_THE_END = {"E_in": "J", "y": "m", "z": "m", "v": "m/s", "time": "s"}  # of a replayed counterexample
+_AT_THE_END = {"E_in": "J", "y": "m", "z": "m"}  # of a replayed counterexample
 _SENSE = "'Yes' is proved, and 'no' has a counterexample. The constants are taken as exact."
 
 

@@ -30,12 +30,11 @@ class Verdict:
     Attributes:
         holds: True (proved), False (a counterexample is in the evidence) or None (undecided; the evidence says why).
         method: how it was decided.
-        evidence: the values that support the decision, SI units.
+        evidence: the values that support the decision, SI units; in ``replay`` the final values of ``scenario``.
         scenario: tables of a scenario that shows a counterexample, or None.
         certificate: the proof as plain data, which ``stribeck check --verify`` and other programs check, or None.
         verified: whether the independent checker, or a second run of a counterexample, agreed; None if neither was
             requested or applies.
-        stated: final values of the scenario in ``scenario``.
     """
 
     holds: bool | None
@@ -44,7 +43,6 @@ class Verdict:
     scenario: dict[str, Json] | None = None
     verified: bool | None = None
     certificate: dict[str, Json] | None = field(default=None, repr=False)
-    stated: Mapping[str, float] = field(default_factory=dict, repr=False)
 
     @property
     def reason(self) -> str:
@@ -71,8 +69,8 @@ class Verdict:
             from stribeck_verify import confirmed
 
             agreed = confirmed(statement(law), name, self.evidence)
-            if self.scenario is not None and self.stated:
-                agreed = agreed is not False and replay.repeats(self.scenario, self.stated)
+            if self.scenario is not None and "replay" in self.evidence:
+                agreed = agreed is not False and replay.repeats(self.scenario, self.evidence["replay"])
             self.verified = agreed
         return self.verified
 

@@ -15,9 +15,8 @@ from stribeck import laws
 from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.expressions.ops import Value
-from stribeck.laws.base import BristleLaw, Claims, Law
+from stribeck.laws.base import Claims, Law
 from stribeck.laws.lugre import LuGre, LuGreMajorant
-from stribeck.laws.terms import K_V, SMOOTH_ABS, m
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import ExactRange, down, up
 
@@ -27,42 +26,12 @@ BRISTLES = (*EXACT, *MAJORANT, DAHL, "lugre_sobczyk", "elastoplastic_sobczyk")
 _SMALLEST = ("sigma_2", "k_v", "F_c", "delta")  # the worst of these is the smallest, of the others the largest
 
 
-class WorstLevel(BristleLaw):
-    """A law with the smallest possible g at every speed, F_c/sigma_0; the bound of z is the largest, F_s/sigma_0."""
-
-    name = "worst_level"
-    source = "Stribeck, docs/explanation/theory.md, A level that varies"
-    claims = Claims(unique=True, bounded=True)
-    delta = None
-
-    @staticmethod
-    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
-        """With the smallest g."""
-        return v - abs(v) * p.sigma_0 / p.F_c * z
-
-
-class WorstLevelMajorant(BristleLaw):
-    """The same with a smooth majorant of |v|."""
-
-    name = "worst_level_majorant"
-    source = WorstLevel.source
-    claims = WorstLevel.claims
-    delta = None
-    k_v = K_V
-    smooth_abs = SMOOTH_ABS
-
-    @staticmethod
-    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
-        """With the smallest g."""
-        return v - m(p, v) * p.sigma_0 / p.F_c * z
-
-
 class LowestLevel(LuGre):
     """A law with the smallest g of the range at every speed, by the smallest F_c and F_s; z is within ``reach``."""
 
     name = "lowest_level"
-    source = WorstLevel.source
-    claims = WorstLevel.claims
+    source = "Stribeck, docs/explanation/theory.md, A level that varies"
+    claims = Claims(unique=True, bounded=True)
     reach = Constant("m", "the largest |z|", above=0)
 
     @staticmethod
@@ -75,8 +44,8 @@ class LowestLevelMajorant(LuGreMajorant):
     """The same with a smooth majorant of |v|."""
 
     name = "lowest_level_majorant"
-    source = WorstLevel.source
-    claims = WorstLevel.claims
+    source = LowestLevel.source
+    claims = LowestLevel.claims
     reach = LowestLevel.reach
     z_bound = staticmethod(LowestLevel.z_bound)
 
@@ -150,54 +119,35 @@ class Varied:
         return self.with_ends({n: side if n in ("F_c", "F_s") else -1 if n in small else 1 for n in self.ranges}, most)
 
     def worst(self, any_z: bool = False) -> Law | None:
-        """The law of the worst level, with constants rounded to the safe side; None if it is unknown or has no bound.
+        """The law of the worst level, with the lowest Stribeck curve and constants rounded to the safe side.
 
-        With ``any_z``, z is not restricted.
+        None if it is unknown or has no bound. With ``any_z``, z is not restricted.
         """
         name, known = type(self.law).name, laws.builtin()
         if name == DAHL and known[name] is type(self.law):  # F v - W' f = sigma_0^2 |v| z^2/F_c: one F_c decides
             return self.extreme(-1) if any_z else self.highest()
-        low, high = self.newtons if name in (*EXACT, *MAJORANT) else (Fraction(0), None)
-        if known.get(name) is not type(self.law) or low <= 0 or (high is None and not any_z):
+        if name not in (*EXACT, *MAJORANT) or known[name] is not type(self.law):
             return None
-        if name == "lugre_arctan" and not any_z:
+        low, high = self.newtons
+        if low <= 0 or (not any_z and (high is None or name == "lugre_arctan")):
             return None
         values: dict[str, Json] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2", "v_s")}
-        values |= {"F_c": down(low), "F_s": down(low) if any_z or high is None else max(up(high), down(low))}
-        if self.law.values.get("v_d") is not None:
-            values["v_d"] = self._worst("v_d")
+        values |= {"F_c": down(low), "F_s": down(low) if "delta" in self.ranges else down(self.range("F_s")[0])}
+        values["F_s"] = max(values["F_s"], values["F_c"])
+        values |= {n: self._worst(n) for n in ("v_d",) if self.law.values.get(n) is not None}
+        values |= {n: self.law.values.get(n) for n in ("delta",) if n not in self.ranges}
         if name in MAJORANT:
             values |= {"k_v": self._worst("k_v"), "smooth_abs": self.law.choices["smooth_abs"]}
-        cls = WorstLevelMajorant if name in MAJORANT else WorstLevel
-        try:
-            return cls(values, self.law.rotary)
-        except InputError:
-            return None  # a constant underflows or overflows
-
-    def lowest(self, any_z: bool = False) -> Law | None:
-        """A closer law of the worst level than :meth:`worst`, with the lowest Stribeck curve and its own |v|.
-
-        None if both laws are the same, or if the lowest curve is unknown.
-        """
-        coarse = self.worst(any_z)
-        if coarse is None or "F_s" not in self.law.values or "delta" in self.ranges:
-            return None
-        low, rest = self.newtons[0], self.range("F_s")[0]
-        if rest <= low and self.law.name != "lugre_arctan":
-            return None
-        values: dict[str, Json] = {**coarse.values, **coarse.choices, "delta": self.law.values.get("delta")}
-        values |= {"F_c": down(low), "F_s": max(down(rest), down(low)), "v_s": down(self.range("v_s")[0])}
-        base = {"elastoplastic": "lugre", "elastoplastic_majorant": "lugre_majorant"}.get(self.law.name, self.law.name)
-        cls: type[Law] = laws.builtin()[base]
-        if base == "lugre_arctan":
+        if name == "lugre_arctan":
             values["k_v"] = up(_end(self.range("k_v")))
+        cls: type[Law] = known[{"elastoplastic": "lugre", "elastoplastic_majorant": "lugre_majorant"}.get(name, name)]
         if not any_z:
-            cls = LowestLevelMajorant if isinstance(coarse, WorstLevelMajorant) else LowestLevel
+            cls = LowestLevelMajorant if name in MAJORANT else LowestLevel
             values["reach"] = up(_end(self.newtons) / self.range("sigma_0")[0])
         try:
             return cls(values, self.law.rotary)
         except InputError:
-            return None
+            return None  # a constant underflows or overflows
 
     def _worst(self, name: str) -> float:
         low, high = self.range(name)
