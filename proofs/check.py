@@ -71,12 +71,13 @@ def compare_equations() -> str | None:
 
 def check_certificate(coqc: str, folder: Path) -> str:
     """What was found when Coq checked the certificate of passivity that ``stribeck check`` gives for one law and set."""
-    sys.path[:0] = [str(HERE.parent / "src")]
+    sys.path[:0] = [str(HERE), str(HERE.parent / "src")]
     try:
+        from goals import goals
+
         from stribeck import law
         from stribeck.properties import WORK
         from stribeck.properties.checked import Checked
-        from stribeck.properties.coq_goals import goals
 
         verdict = Checked(law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6), None, WORK).passive()
     except ImportError as error:

@@ -13,7 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stribeck.expressions import coq
+import coq
+
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.laws import builtin, lugre

@@ -35,7 +35,7 @@ from stribeck.exports.exchange import from_bam
 from stribeck.exports.optional import Operations
 from stribeck.exports.python import stepping
 from stribeck.exports.python.arrays import ArrayLaw
-from stribeck.expressions import coq, emit, ops, pretty
+from stribeck.expressions import emit, ops, pretty
 from stribeck.expressions.graph import constant, derivative, symbol, symbols
 from stribeck.expressions.intervals import Box
 from stribeck.identify.actuator import read_logs
@@ -55,12 +55,14 @@ from stribeck.sweeps.ranges import Range
 from stribeck.waveforms.pieces import pieces
 from tests.kept import shown
 from tests.kept.runner import EXACT, INPUTS, PLACES, Case, call, inputs
+from tests.proofs.coq import script
 from tests.properties.nasty import PROPERTIES
 from tests.properties.nasty import cases as nasty_cases
 
 CALLS: list[Case] = []
 MACHINES = sorted((PLACES[2]).glob("*.toml"))
 CANUDAS = dict(stribeck.library().sets["canudas1995"].values)
+coq = script("coq")
 OWN = {"k_v": 1e5, "z_ba": 7e-6, "g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}
 
 

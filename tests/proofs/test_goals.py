@@ -10,13 +10,12 @@ from types import SimpleNamespace
 import pytest
 
 from stribeck import check, law
-from stribeck.expressions import coq
 from stribeck.expressions.graph import substitute, symbol
 from stribeck.laws import builtin
 from stribeck.laws.form import USUAL
-from stribeck.properties.coq_goals import goals, main
-from tests.proofs.coq import compiles, needs_coq
+from tests.proofs.coq import compiles, needs_coq, script
 
+coq, goals, main = script("coq"), script("goals").goals, script("goals").main
 TENTH, FIFTH = (f"({Fraction(a).numerator} / {Fraction(a).denominator})" for a in (0.1, 0.2))
 x, y, v, z = (symbol(n) for n in "xyvz")
 

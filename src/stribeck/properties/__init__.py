@@ -14,7 +14,6 @@ from stribeck.properties.verdicts import NAMES, Verdict, Verdicts
 
 if TYPE_CHECKING:
     from stribeck.properties.ports import MachineVerdicts
-    from stribeck.properties.steepness import Steepness
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import Machine
 
@@ -79,14 +78,12 @@ def check(
     alien = {"forces": forces, "t_end": t_end}
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
         raise InputError(problems)
-    steepness = _steepness(what, {**tolerated, "v_max": v_max}) if tolerated else {}
+    steepness = {}
+    if tolerated:
+        from stribeck.properties.steepness import Tolerated, smallest_steepness
+
+        steepness = smallest_steepness(what, Tolerated.given({**tolerated, "v_max": v_max}))
     varied = None if level is None else at_level(what, level)
     verdicts = check_law(what, v_max, work) if varied is None else check_varied(varied, v_max, work)
     verdicts.steepness = steepness
     return verdicts
-
-
-def _steepness(law: Law, tolerated: Mapping[str, object]) -> dict[str, Steepness]:
-    from stribeck.properties.steepness import Tolerated, smallest_steepness
-
-    return smallest_steepness(law, Tolerated.given(tolerated))

@@ -13,7 +13,6 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import islice
 from math import e
-from time import process_time
 
 import numpy as np
 
@@ -76,14 +75,12 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 
 def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
     """Each property; undecided if the equations make the check fail, and all but passivity if a law has no z."""
-    started = process_time()
     with needed("a proof"):
         importlib.import_module("flint")
     if not verdicts.law.has_z:
         decided = partial(stateless.decide, verdicts.varied or Varied(verdicts.law, {}), verdicts.v_max)
     with np.errstate(all="ignore"):  # samples may overflow; they prove nothing
         verdicts.properties = {name: _safely(decided, name) for name in NAMES}
-    verdicts.seconds = process_time() - started
     return verdicts
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,27 +28,24 @@ _AROUND = (0.3, 0.1, 0.03)
 _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: distances below it at which a cycle turns
 
 
-@dataclass(frozen=True)
-class Cycle:
-    """A path of z from ``start`` in pieces of constant speed; ``program`` has a row for each, as in the report."""
+Piece = tuple[Law, float, float, float]  # a law, a constant speed (m/s), and z at the start and at the end (m)
 
-    start: float
-    program: list[dict[str, float]]
 
-    @property
-    def drawn(self) -> float:
-        """Net energy drawn, J."""
-        return -sum(piece["energy_in"] for piece in self.program)
+def rows(pieces: Sequence[Piece], *constants: str) -> list[dict[str, float]]:
+    """A motion in pieces for the report, a row each, with these constants of its law."""
+    listed = []
+    for law, v, a, b in pieces:
+        duration, energy = integrate(law, v, a, b)
+        level = {n: law.p.numbers[n] for n in constants if n in law.values}
+        listed.append({"v": v, **level, "duration": duration, "z_end": b, "energy_in": energy})
+    return listed
 
-    @property
-    def turns(self) -> list[float]:
-        """z at the start, and at the end of each piece."""
-        return [self.start, *(piece["z_end"] for piece in self.program)]
 
-    def evidence(self) -> dict[str, Json]:
-        """Values for the report."""
-        time = sum(piece["duration"] for piece in self.program)
-        return {"energy_drawn": self.drawn, "time": time, "z_start": self.start, "program": self.program}
+def evidence(pieces: Sequence[Piece]) -> dict[str, Json]:
+    """A motion that draws energy, for the report."""
+    program = rows(pieces)
+    drawn, time = -sum(row["energy_in"] for row in program), sum(row["duration"] for row in program)
+    return {"energy_drawn": drawn, "time": time, "z_start": pieces[0][2], "program": program}
 
 
 def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
@@ -61,13 +58,7 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
     return float((weights * slowness).sum()), float((weights * slowness * law.force(v, z) * v).sum())
 
 
-def _piece(law: Law, v: float, a: float, b: float, **level: float) -> dict[str, float]:
-    """A row of a program: a constant speed takes z from a to b."""
-    duration, energy = integrate(law, v, a, b)
-    return {"v": v, **level, "duration": duration, "z_end": b, "energy_in": energy}
-
-
-def find(law: Law, storage: Storage) -> Cycle | None:
+def find(law: Law, storage: Storage) -> list[Piece] | None:
     """A short cycle that draws energy, or None."""
     deflection = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
     candidates = [
@@ -82,7 +73,7 @@ def find(law: Law, storage: Storage) -> Cycle | None:
     return _closed(law, up, down, low, high)
 
 
-def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | None:
+def unwinding(law: Law, storage: Storage, high: float, sign: int) -> list[Piece] | None:
     """A run from z = high that draws energy, or None.
 
     It draws more than a million times the energy that a spring would store there, or the largest energy of the search.
@@ -90,18 +81,17 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
     side = 1 if high > 0 else -1
     wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
     speeds = abs(storage.v)
-    cycle: Cycle | None = None
+    most, best = 0.0, None
     for share in (1e-1, 1e-3, 1e-5, 1e-7):
         for speed in sign * np.geomspace(speeds[speeds > 0].min(), speeds.max(), 120):
             low = high * (1 - share)
             if side * law.rate(speed, low) < 0 and side * law.rate(speed, high) < 0:
-                run = Cycle(high, [_piece(law, float(speed), high, low)])
-                finite = np.isfinite(run.drawn) and np.isfinite(run.program[0]["duration"])
-                if finite and (cycle is None or run.drawn > cycle.drawn):
-                    cycle = run
-                if run.drawn > wanted:
-                    return cycle
-    return cycle if cycle is not None and cycle.drawn > 0 else None
+                duration, energy = integrate(law, speed, high, low)
+                if np.isfinite(energy) and np.isfinite(duration) and -energy > most:
+                    most, best = -energy, [(law, float(speed), high, low)]
+                if -energy > wanted:
+                    return best
+    return best
 
 
 def _windows(storage: Storage, deflection: float) -> list[Array]:
@@ -202,8 +192,8 @@ def _longest(keep: NDArray[np.bool_], offset: int) -> tuple[int, int]:
     return best[0] + offset, best[1] + offset
 
 
-def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
-    """The cycle between two deflections as pieces.
+def _closed(law: Law, up: float, down: float, low: float, high: float) -> list[Piece]:
+    """The cycle between two deflections.
 
     It begins at 0 if it passes 0, or else with the quicker path. After a long path, a short one would be lost in the
     rounding of time.
@@ -215,19 +205,15 @@ def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
         start, path = high, [(down, low), (up, high)]
     else:
         start, path = low, [(up, high), (down, low)]
-    program, z = [], start
-    for v, end in path:
-        if end != z:
-            program.append(_piece(law, v, z, end))
-            z = end
-    return Cycle(start, program)
+    starts = [start, *(end for _, end in path)]
+    return [(law, v, z, end) for z, (v, end) in zip(starts, path, strict=False) if end != z]
 
 
-def scenario(law: Law, cycle: Cycle) -> dict[str, Json] | None:
-    """The cycle as a scenario: E_in at its end is minus the energy drawn."""
-    speeds, durations = ([piece[name] for piece in cycle.program] for name in ("v", "duration"))
+def scenario(law: Law, found: Mapping[str, Json]) -> dict[str, Json] | None:
+    """A motion from its evidence as a scenario: E_in at its end is minus the energy drawn."""
+    speeds, durations = ([row[name] for row in found["program"]] for name in ("v", "duration"))
     drive, end = replay.velocity_drive(speeds, durations)
-    plant = {"initial": {"z": cycle.start}} if cycle.start else {}
+    plant = {"initial": {"z": found["z_start"]}} if found["z_start"] else {}
     return replay.scenario_of(law, "passive", drive, end, plant, energy=True)
 
 
@@ -251,8 +237,8 @@ class Swing:
     low: float
     high: float
 
-    def pieces(self) -> list[tuple[Law, float, float, float]]:
-        """(law, speed, from, to): the winding up from z = 0, and one cycle."""
+    def pieces(self) -> list[Piece]:
+        """The winding up from z = 0, and one cycle."""
         start = [(self.rising, self.v_up, 0.0, self.low)] if self.low > 0 else []
         return [*start, (self.rising, self.v_up, self.low, self.high), (self.falling, self.v_down, self.high, self.low)]
 
@@ -263,13 +249,14 @@ class Swing:
 
     def evidence(self) -> dict[str, Json]:
         """Values for the report."""
-        rows = [
-            _piece(law, v, a, b, **{n: law.p.numbers[n] for n in ("F_c", "F_s") if n in law.values})
-            for law, v, a, b in self.pieces()
-        ]
-        up, down = rows[-2:]
+        program = rows(self.pieces(), "F_c", "F_s")
+        up, down = program[-2:]
         drawn = -(up["energy_in"] + down["energy_in"])
-        return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "program": rows}
+        return {
+            "energy_drawn_per_cycle": drawn,
+            "time_per_cycle": up["duration"] + down["duration"],
+            "program": program,
+        }
 
     def machine(self, nominal: Law) -> dict[str, Json] | None:
         """A machine file with a belt of given velocity and a contact of given level, or None if a file cannot hold the law.
@@ -279,13 +266,12 @@ class Swing:
         table = replay.law_table(nominal)
         if table is None:
             return None
-        rows = self.evidence()["program"]
-        start, (up, down) = rows[:-2], rows[-2:]
-        cost, drawn = sum(row["energy_in"] for row in start), -(up["energy_in"] + down["energy_in"])
+        found, laws = self.evidence(), [law for law, *_ in self.pieces()]
+        steps = found["program"]
+        cost, drawn = sum(row["energy_in"] for row in steps[:-2]), found["energy_drawn_per_cycle"]
         repeats = min(max(1, math.ceil(1.2 * cost / drawn + 1)), _REPEATS)
-        laws = [law for law, *_ in self.pieces()]
-        order = [*range(len(start)), *list(range(len(start), len(rows))) * repeats]
-        held = [(laws[i], rows[i]["v"], rows[i]["duration"]) for i in order]
+        order = [*range(len(steps) - 2), *[len(steps) - 2, len(steps) - 1] * repeats]
+        held = [(laws[i], steps[i]["v"], steps[i]["duration"]) for i in order]
         if not all(duration > 0 for *_, duration in held):
             return None
         durations = [duration for *_, duration in held]

@@ -61,8 +61,8 @@ def without_limit(model: Model, storage: Storage, unrestricted: bool) -> Verdict
         verdict = unwinding(model, (s, t), fast / share if near else fast, z_top, share)
         if verdict is not None:
             if (run := cycles.unwinding(law, storage, t * z_top, s)) is not None:
-                verdict.evidence |= run.evidence()
-                cycles.add_run(verdict, cycles.scenario(law, run))
+                verdict.evidence |= cycles.evidence(run)
+                cycles.add_run(verdict, cycles.scenario(law, verdict.evidence))
             return verdict
     return None
 

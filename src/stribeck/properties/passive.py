@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 
@@ -190,15 +189,15 @@ def _refuted(model: Model, storage: Storage, unrestricted: bool) -> Verdict | No
     return None
 
 
-def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | None:
-    turns = cycle.turns
+def _by_cycle(model: Model, storage: Storage, cycle: Sequence[cycles.Piece]) -> Verdict | None:
+    turns = [cycle[0][2], *(end for *_, end in cycle)]
     if storage.reach is not None and max(abs(x) for x in turns) > storage.reach:
         return None
-    paths = zip(cycle.program, pairwise(turns), strict=True)
-    bounds = enclosed.program([(model, piece["v"], a, b) for piece, (a, b) in paths])
+    bounds = enclosed.program([(model, v, a, b) for _, v, a, b in cycle])
     if bounds is None or not bounds[1] < 0:
         return None
-    verdict = Verdict(False, _CYCLE, {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}})
+    found = cycles.evidence(cycle)
+    verdict = Verdict(False, _CYCLE, {**found, "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}})
     near = turns[-1], 1e-4 * (max(turns) - min(turns))
-    cycles.add_run(verdict, cycles.scenario(storage.law, cycle), near=near)
+    cycles.add_run(verdict, cycles.scenario(storage.law, found), near=near)
     return verdict

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import process_time
 from typing import TYPE_CHECKING
 
 from stribeck.constants import Constant, show
@@ -47,7 +46,6 @@ class MachineVerdicts:
         spoiled_by: the contacts that are not passive.
         undecided: contacts and elements without a verdict.
         ports: loads, motors, cylinders, controllers and moved bodies and ends, which supply energy.
-        seconds: CPU time.
     """
 
     name: str
@@ -57,7 +55,6 @@ class MachineVerdicts:
     spoiled_by: list[str] = field(default_factory=list)
     undecided: list[str] = field(default_factory=list)
     ports: dict[str, str] = field(default_factory=dict)
-    seconds: float = 0.0
 
     def __getitem__(self, name: str) -> Verdicts:
         return self.contacts[name]
@@ -120,19 +117,16 @@ def check_machine(
     Raises:
         InputError: the scenario is not valid, or there is no such force.
     """
-    started = process_time()
     source = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(source, stated)
     if source.elements.unnamed:
-        verdicts = _single(source, v_max, work)
-    else:
-        verdicts = MachineVerdicts(source.name, {})
-        for contact in source.system.contacts:
-            varied = of_contact(source.elements, contact, source.end, stated)
-            verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
-        _decide_machine(source, verdicts)
-    verdicts.seconds = process_time() - started
+        return _single(source, v_max, work)
+    verdicts = MachineVerdicts(source.name, {})
+    for contact in source.system.contacts:
+        varied = of_contact(source.elements, contact, source.end, stated)
+        verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
+    _decide_machine(source, verdicts)
     return verdicts
 
 

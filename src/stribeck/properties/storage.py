@@ -207,11 +207,7 @@ class Storage:
 
 
 def largest_speed(law: Law, reach: float | None) -> float | None:
-    """The largest v_max in m/s for which a storage function exists; None for no limit, 0 if there is none.
-
-    Bisection alternates with the secant through the last two speeds at which U < L. There U - L rises to 0 smoothly; on the
-    other side it may be a plateau.
-    """
+    """The largest v_max in m/s for which a storage function exists; None for no limit, 0 if there is none."""
 
     def room(v_max: float | None) -> float:
         return Storage(law, v_max, reach).room
@@ -222,20 +218,7 @@ def largest_speed(law: Law, reach: float | None) -> float | None:
     low, high = speeds[0] * _SLOWEST, speeds[-1] * _FASTEST
     if room(low) < 0:
         return 0.0
-    lacking: list[tuple[float, float]] = []
-    steps = 0
     while high / low > 1 + _APART:
         middle = float(np.sqrt(low) * np.sqrt(high))
-        if steps % 3 and len(lacking) > 1:
-            (a, lacks_a), (b, lacks_b) = lacking[-2:]
-            root = b - lacks_b * (b - a) / (lacks_b - lacks_a) if lacks_a != lacks_b else b
-            root = max(root, low) if root > low * (1 - _APART) else root
-            beside = root * (1 + _APART / 2 if high > root * (1 + _APART) else 1 - _APART / 4)
-            middle = beside if low < beside < high else middle
-        steps += 1
-        if (left := room(middle)) >= 0:
-            low = middle
-        else:
-            high = middle
-            lacking.append((middle, left))
+        low, high = (middle, high) if room(middle) >= 0 else (low, middle)
     return low

@@ -129,7 +129,6 @@ class Verdicts:
     law: Law
     properties: dict[str, Verdict]
     v_max: float | None = None
-    seconds: float = 0.0
     steepness: dict[str, Steepness] = field(default_factory=dict)
     varied: Varied | None = None
     proofs: dict[str, Law] = field(default_factory=dict)

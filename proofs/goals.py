@@ -1,6 +1,6 @@
 """A certificate of passivity as goals for Coq's tactic ``interval``: the power inequality on boxes, checked by Coq's kernel.
 
-``python -m stribeck.properties.coq_goals FILE SLOWEST FASTEST`` prints them for a file of ``stribeck check --certificate``.
+``python proofs/goals.py FILE SLOWEST FASTEST`` prints them for a file of ``stribeck check --certificate``.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
+from coq import GOAL_HEADER, coq_goal
+
 from stribeck.errors import InputError
 from stribeck.expressions import ops
-from stribeck.expressions.coq import GOAL_HEADER, coq_goal
 from stribeck.expressions.graph import Expr, rewrite, substitute, symbol, wrap
 from stribeck.properties.model import RATE, SIGNS, U, V, W, Z, positive
 from stribeck.properties.plain import Json
