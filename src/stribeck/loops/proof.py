@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
+from stribeck.machine.elements.cylinder import GAS
+from stribeck.machine.elements.pressure_cascade import GAINS
 from stribeck.machine.pneumatic import cascade
 from stribeck.machine.pneumatic.cascade import Course
 from stribeck.machine.pneumatic.cylinder import Cylinder
@@ -88,7 +90,7 @@ def derive() -> QuadraticForm:
         def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
             return sympy.Function("S_1")(v) * v - sympy.Function("w")(v) * z
 
-    c, m = named(cascade.GAINS), named(Cylinder.constants)
+    c, m = named(GAINS), named(GAS)
     p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
     path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)

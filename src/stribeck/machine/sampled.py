@@ -7,13 +7,7 @@ from stribeck.expressions.ops import Value, both, either, exp, where
 
 Motion = tuple[Value, Value, Value]  # position, velocity and acceleration
 
-SAMPLING = {
-    "period": Constant("s", "time between two samples", above=0),
-    "delay": Constant("s", "time from a sample to its output", at_least=0, default=0.0),
-    "resolution": Constant("m", "step of the encoder", above=0, optional=True, rotary_unit="rad"),
-    "noise": Constant("m", "standard deviation of the reading", at_least=0, default=0.0, rotary_unit="rad"),
-    "bandwidth": Constant("rad/s", "of the filter that estimates the speed", above=0, optional=True),
-}
+PERIOD = Constant("s", "time between two samples", above=0)
 
 
 def phi_1(x: Value) -> Value:

@@ -24,7 +24,7 @@ from stribeck.machine.elements.dither import PHASE
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.machine import Elements
 from stribeck.machine.observed import observed
-from stribeck.machine.sampled import SAMPLING
+from stribeck.machine.sampled import PERIOD
 from stribeck.scenario import Scenario
 from stribeck.waveforms.pieces import Reference, fields, pieces
 
@@ -186,8 +186,7 @@ class Block:
             f"{path}.{n}": (machine.system.constant(path, n), machine.values[path, n])
             for path, n in machine.system.parameters
         }
-        period = SAMPLING["period"]
-        values[f"{each.path}.sampling.period"] = (period, self.step)
+        values[f"{each.path}.sampling.period"] = (PERIOD, self.step)
         used = symbols(self.expressions.values())
         constants = {}
         for path, (constant, value) in values.items():

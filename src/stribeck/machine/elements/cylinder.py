@@ -14,12 +14,11 @@ from stribeck.expressions.ops import Value, both
 from stribeck.machine.element import Own, State
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.pneumatic.cylinder import Cylinder
-from stribeck.machine.table import Aside, FileTable, Problem, given_as, quantity
+from stribeck.machine.table import Aside, FileTable, Problem, quantity
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
 
-_C = Cylinder.constants
 _AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover: well above the solver's error
 
 
@@ -36,25 +35,25 @@ class Piston(Body):
     """The piston of a pneumatic cylinder between two chambers of gas, which a valve fills and empties."""
 
     kind: Literal["pneumatic"] = "pneumatic"
-    states = tuple(State(c.name, c.unit, c.meaning) for c in Cylinder.states)
-    mass: float = given_as(_C["mass"])
-    area: float = given_as(_C["area"])
-    stroke: float = given_as(_C["stroke"])
-    dead_volume_1: float = given_as(_C["dead_volume_1"])
-    dead_volume_2: float = given_as(_C["dead_volume_2"])
-    heat_ratio: float = given_as(_C["heat_ratio"])
-    gas_constant: float = given_as(_C["gas_constant"])
-    temperature: float = given_as(_C["temperature"])
-    supply_pressure: float = given_as(_C["supply_pressure"])
-    atmospheric_pressure: float = given_as(_C["atmospheric_pressure"])
-    beta_fill: float = given_as(_C["beta_fill"])
-    beta_empty: float = given_as(_C["beta_empty"])
+    states = State("p_1", "Pa", "pressure in chamber 1"), State("p_2", "Pa", "pressure in chamber 2")
+    mass: float = quantity("kg", "mass of piston and load", above=0)
+    area: float = quantity("m^2", "cross-section of the piston", above=0)
+    stroke: float = quantity("m", "stroke; the position y runs from 0 to it", above=0)
+    dead_volume_1: float = quantity("m^3", "volume of chamber 1 at y = 0", above=0)
+    dead_volume_2: float = quantity("m^3", "volume of chamber 2 at y = stroke", above=0)
+    heat_ratio: float = quantity("", "polytropic exponent", above=0)
+    gas_constant: float = quantity("J/(kg K)", "specific gas constant", above=0)
+    temperature: float = quantity("K", "temperature of the gas", above=0)
+    supply_pressure: float = quantity("Pa", "absolute pressure of the supply", above=0)
+    atmospheric_pressure: float = quantity("Pa", "absolute pressure of the exhaust", above=0)
+    beta_fill: float = quantity("kg/(s Pa)", "flow into a chamber by opening and pressure", above=0)
+    beta_empty: float = quantity("kg/(s Pa)", "flow out of a chamber by opening and pressure", above=0)
     initial: Annotated[Filled, Aside()] = Field(description="the state at t = 0, with y, p_1 and p_2")  # type: ignore[assignment]
 
     @property
     def constants(self) -> dict[str, Value]:
         """The arguments of the gas equations."""
-        return {n: getattr(self, n) for n in _C}
+        return {n: getattr(self, n) for n in GAS}
 
     def obey_force(self, a: Assembly) -> None:
         """The rates under the pressures of the chambers, which a valve fills and empties; closed unless a cascade moves it."""
@@ -107,3 +106,6 @@ class Piston(Body):
             text = f"must be above atmospheric_pressure ({self.atmospheric_pressure:g} Pa)"
             problems.append(("supply_pressure", f"{show(self.supply_pressure)}: {text}"))
         return problems
+
+
+GAS = ("mass", *(name for name in Piston.model_fields if name not in Body.model_fields))  # arguments of its equations

@@ -9,7 +9,7 @@ from types import EllipsisType, SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, WrapValidator
+from pydantic import Field, ValidationInfo, WrapValidator, create_model
 from pydantic_core import core_schema
 
 from stribeck import laws
@@ -24,12 +24,11 @@ from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law, Scales
 from stribeck.machine.element import GROUND, State
 from stribeck.machine.elements.controllers import AnyController, Courses
-from stribeck.machine.elements.cylinder import Piston
+from stribeck.machine.elements.cylinder import GAS, Piston
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.equations import Sample
 from stribeck.machine.law import Friction
 from stribeck.machine.pneumatic.cascade import (
-    GAINS,
     Course,
     course,
     desired_pressure,
@@ -38,21 +37,24 @@ from stribeck.machine.pneumatic.cascade import (
     tracking_errors,
 )
 from stribeck.machine.pneumatic.cylinder import Cylinder
-from stribeck.machine.pneumatic.observer import ETA, SCALES, START, Z_HAT, Adaptation, Observed, adapt, observe
+from stribeck.machine.pneumatic.observer import ETA, SCALES, START, Z_HAT, Observed, adapt, observe
 from stribeck.machine.sampled import phi_1, tracked, turned
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import (
     Aside,
+    ConstantField,
     ConstantLeaf,
     FileTable,
     Held,
     Loc,
     Problem,
     Reading,
+    annotation,
     given_as,
     joined,
     no_table,
     problems_at,
+    quantity,
     table_path,
     unknown_key,
 )
@@ -64,6 +66,7 @@ if TYPE_CHECKING:
     from stribeck.machine.machine import Elements
     from stribeck.machine.reading import Draft
 
+GAINS = ("K_D", "K_p", "lambda", "K", "rho", "u_max", "supply_droop")
 NONE = "none"  # the observer's name where friction is not compensated
 _T = symbol("t")
 _ACCELERATION = symbol("acceleration")  # as measured, in the place of what it is
@@ -91,34 +94,24 @@ _ADAPTED = (
 
 
 def _known(name: str) -> Held:
-    return given_as(replace(Cylinder.constants[name], optional=True))
+    declared = annotation(Piston.model_fields[name], ConstantField).constant
+    return float | None, given_as(replace(declared, optional=True))
 
 
-class KnownPlant(FileTable):
+class KnownPlant(create_model("Known", __base__=FileTable, **{n: _known(n) for n in GAS})):  # type: ignore[misc]
     """Plant constants that the controller takes for true; the piston's own where they are left out."""
-
-    mass: float | None = _known("mass")
-    area: float | None = _known("area")
-    stroke: float | None = _known("stroke")
-    dead_volume_1: float | None = _known("dead_volume_1")
-    dead_volume_2: float | None = _known("dead_volume_2")
-    heat_ratio: float | None = _known("heat_ratio")
-    gas_constant: float | None = _known("gas_constant")
-    temperature: float | None = _known("temperature")
-    supply_pressure: float | None = _known("supply_pressure")
-    atmospheric_pressure: float | None = _known("atmospheric_pressure")
-    beta_fill: float | None = _known("beta_fill")
-    beta_empty: float | None = _known("beta_empty")
 
 
 class Gains(FileTable):
     """Gains of the adaptation, with adaptive = true."""
 
-    gamma_0: float = given_as(Adaptation.constants["gamma_0"])
-    gamma_1: float = given_as(Adaptation.constants["gamma_1"])
-    gamma_2: float = given_as(Adaptation.constants["gamma_2"])
-    gamma_g: float = given_as(Adaptation.constants["gamma_g"])
-    range: float = given_as(Adaptation.constants["range"])
+    gamma_0: float = quantity("1/J", "adaptation gain of sigma_0", at_least=0, default=2.0)
+    gamma_1: float = quantity("1/J", "adaptation gain of sigma_1", at_least=0, default=500.0)
+    gamma_2: float = quantity("1/J", "adaptation gain of sigma_2", at_least=0, default=2.0)
+    gamma_g: float = quantity("1/J", "adaptation gain of the level F_c, through 1/g", at_least=0, default=0.5)
+    range: float = quantity(
+        "", "each parameter stays within its known value divided and multiplied by this", above=1, default=4.0
+    )
 
 
 def _complete(value: object, handler: Callable[[object], KnownPlant], info: ValidationInfo) -> KnownPlant:
@@ -129,7 +122,8 @@ def _complete(value: object, handler: Callable[[object], KnownPlant], info: Vali
     if not isinstance(piston, Piston):
         return given
     overridden = {n: x for n in piston.constants if (x := getattr(given, n)) is not None}
-    return KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **overridden})
+    whole: KnownPlant = KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **overridden})
+    return whole
 
 
 class _OfObserver:
@@ -247,35 +241,35 @@ def _sampling(data: dict[str, Held]) -> Sampling | None:
     return Sampling(period=data["sample_time"], delay=data["delay"], **keys)
 
 
-_AT = {
-    "sample_time": Constant("", "the controller computes every so many s; off: always", above=0, optional=True),
-    "delay": Constant("", "time from measuring to acting, s", at_least=0, default=0.0),
-    "noise": Constant("", "standard deviation of the measured position, m", at_least=0, default=0.0),
-    "quantization": Constant("", "step of the measured position, m", at_least=0, default=0.0),
-    "bandwidth": Constant(
-        "", "of the filter that estimates velocity and acceleration, rad/s", above=0, optional=True
-    ),
-}  # fmt: skip
-
-
 class PressureCascade(AnyController):
     """A tracking law for the piston that asks for a pressure difference, and one for the valve that provides it."""
 
     kind: Literal["pressure_cascade"] = "pressure_cascade"
     moves_valve, follows_others = True, True
     on: str = Field(description="the piston")
-    K_D: float = given_as(GAINS["K_D"])
-    K_p: float = given_as(GAINS["K_p"])
-    lambda_: float = given_as(GAINS["lambda"], alias="lambda")
-    K: float = given_as(GAINS["K"])
-    rho: float = given_as(GAINS["rho"])
-    u_max: float = given_as(GAINS["u_max"])
-    supply_droop: float | None = given_as(GAINS["supply_droop"])
-    sample_time: float | None = given_as(_AT["sample_time"], in_code=False)
-    delay: float = given_as(_AT["delay"], in_code=False)
-    noise: float = given_as(_AT["noise"], in_code=False)
-    quantization: float = given_as(_AT["quantization"], in_code=False)
-    bandwidth: float | None = given_as(_AT["bandwidth"], in_code=False)
+    K_D: float = quantity("N s/m", "gain of the tracking error s", above=0)
+    K_p: float = quantity("1/s", "gain of the pressure error", above=0)
+    lambda_: float = given_as(Constant("1/s", "s = de/dt + lambda e", above=0), alias="lambda")
+    K: float = quantity("m/N", "gain of the friction observer", above=0)
+    rho: float = quantity("m^3/Pa", "weight of the pressure error in the Lyapunov function", above=0)
+    u_max: float = quantity("V", "limit of the valve voltage", above=0)
+    supply_droop: float | None = quantity(
+        "Pa s/kg", "pressure that the supply loses by mass flow, unknown to the controller", at_least=0, optional=True
+    )
+    sample_time: float | None = given_as(
+        Constant("", "the controller computes every so many s; off: always", above=0, optional=True), in_code=False
+    )
+    delay: float = given_as(Constant("", "time from measuring to acting, s", at_least=0, default=0.0), in_code=False)
+    noise: float = given_as(
+        Constant("", "standard deviation of the measured position, m", at_least=0, default=0.0), in_code=False
+    )
+    quantization: float = given_as(
+        Constant("", "step of the measured position, m", at_least=0, default=0.0), in_code=False
+    )
+    bandwidth: float | None = given_as(
+        Constant("", "of the filter that estimates velocity and acceleration, rad/s", above=0, optional=True),
+        in_code=False,
+    )
     seed: Annotated[int, Aside(0)] = Field(
         0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
     )
@@ -359,7 +353,7 @@ class PressureCascade(AnyController):
         """The desired position, the voltage, what the controller computes, the estimate of friction, and V."""
         columns = (
             Column("r", "m", "desired position"),
-            Cylinder.takes,
+            Column("u", "V", "valve voltage"),
             *_COLUMNS,
             *(_ADAPTED if self.adaptive else ()),
         )
@@ -479,13 +473,13 @@ class PressureCascade(AnyController):
         y, v, (p_1, p_2) = symbol(body.name_of("y")), symbol(body.name_of("v")), body.pressures
         e, s = tracking_errors(c, path, y, v)
         estimate = self._observed(c, v, s, called)
-        p_d = desired_pressure(c, model, path, v, s, estimate.F)  # type: ignore[arg-type]
+        p_d = desired_pressure(c, model, path, v, s, estimate.F)
         rates = {n: wrap(rate) for n, rate in estimate.rates.items()}
         along = {_T: ONE, y: v, v: _ACCELERATION, **{symbol(self.name_of(n)): rate for n, rate in rates.items()}}
         p_err = p_1 - p_2 - p_d
         dp_d = total_derivative(wrap(p_d), along)
-        u_hat = pressure_demand(c, model, y, v, p_1, p_2, s, p_err, dp_d)  # type: ignore[arg-type]
-        u = Cylinder.voltage(model, y, p_1, p_2, u_hat, c.u_max)  # type: ignore[arg-type]
+        u_hat = pressure_demand(c, model, y, v, p_1, p_2, s, p_err, dp_d)
+        u = Cylinder.voltage(model, y, p_1, p_2, u_hat, c.u_max)
         named = {"e": e, "s": s, "p_d": p_d, "p_err": p_err, "u": u, "F_hat": estimate.F, "z_hat": estimate.z}
         return {n: wrap(x) for n, x in named.items()} | {f"rate.{n}": rate for n, rate in rates.items()}
 

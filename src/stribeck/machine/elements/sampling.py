@@ -8,22 +8,22 @@ from pydantic import Field
 
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, exp, floor, where
-from stribeck.machine.sampled import SAMPLING
+from stribeck.machine.sampled import PERIOD
 from stribeck.machine.table import Aside, FileTable, given_as, quantity
 
 
 class Sampling(FileTable):
     """When a controller computes, and what it reads of the motion."""
 
-    period: float = given_as(SAMPLING["period"])
-    delay: float = given_as(SAMPLING["delay"])
+    period: float = given_as(PERIOD)
+    delay: float = quantity("s", "time from a sample to its output", at_least=0, default=0.0)
     resolution: float | None = quantity(
         "m", "step of the encoder; 0: none", at_least=0, off_at_zero=True, rotary_unit="rad"
     )
     noise: float | None = quantity(
         "m", "standard deviation of the reading", at_least=0, off_at_zero=True, rotary_unit="rad"
     )
-    bandwidth: float | None = given_as(SAMPLING["bandwidth"])
+    bandwidth: float | None = quantity("rad/s", "of the filter that estimates the speed", above=0, optional=True)
     seed: Annotated[int, Aside(0)] = Field(
         0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
     )

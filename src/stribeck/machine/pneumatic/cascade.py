@@ -7,24 +7,11 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from stribeck.constants import Constant
 from stribeck.expressions.graph import Expr, derivative
 from stribeck.expressions.ops import Value
 from stribeck.machine.pneumatic.cylinder import Cylinder
 
 Course = tuple[Expr, Expr, Expr, Expr]  # a desired position and its first three derivatives
-
-GAINS = {
-    "K_D": Constant("N s/m", "gain of the tracking error s", above=0, example=60.0),
-    "K_p": Constant("1/s", "gain of the pressure error", above=0, example=60.0),
-    "lambda": Constant("1/s", "s = de/dt + lambda e", above=0, example=20.0),
-    "K": Constant("m/N", "gain of the friction observer", above=0, example=1e-5),
-    "rho": Constant("m^3/Pa", "weight of the pressure error in the Lyapunov function", above=0, example=4e-10),
-    "u_max": Constant("V", "limit of the valve voltage", above=0, example=10.0),
-    "supply_droop": Constant(
-        "Pa s/kg", "pressure that the supply loses by mass flow, unknown to the controller", at_least=0, optional=True
-    ),
-}  # fmt: skip
 
 
 def course(position: Expr, t: Expr) -> Course:

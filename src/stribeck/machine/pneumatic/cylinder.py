@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import ClassVar
 
-from stribeck.constants import Column, Constant
 from stribeck.expressions.ops import Value, atan, clip, cos, sin, where
 
 Own = tuple[Value, ...]  # the pressures
@@ -14,25 +12,6 @@ _LEAST_GAIN = 1.0  # Pa/s by opening, against a division by zero; an open valve 
 
 class Cylinder:
     """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
-
-    takes: ClassVar[Column] = Column("u", "V", "valve voltage")
-    states: ClassVar[tuple[Column, ...]] = (
-        Column("p_1", "Pa", "pressure in chamber 1"), Column("p_2", "Pa", "pressure in chamber 2"),
-    )  # fmt: skip
-    constants: ClassVar[dict[str, Constant]] = {
-        "mass": Constant("kg", "mass of piston and load", above=0, example=2.9),
-        "area": Constant("m^2", "cross-section of the piston", above=0, example=4.19e-4),
-        "stroke": Constant("m", "stroke; the position y runs from 0 to it", above=0, example=1.0),
-        "dead_volume_1": Constant("m^3", "volume of chamber 1 at y = 0", above=0, example=1.96e-6),
-        "dead_volume_2": Constant("m^3", "volume of chamber 2 at y = stroke", above=0, example=4.91e-6),
-        "heat_ratio": Constant("", "polytropic exponent", above=0, example=1.4),
-        "gas_constant": Constant("J/(kg K)", "specific gas constant", above=0, example=286.9),
-        "temperature": Constant("K", "temperature of the gas", above=0, example=293.15),
-        "supply_pressure": Constant("Pa", "absolute pressure of the supply", above=0, example=7e5),
-        "atmospheric_pressure": Constant("Pa", "absolute pressure of the exhaust", above=0, example=1e5),
-        "beta_fill": Constant("kg/(s Pa)", "flow into a chamber by opening and pressure", above=0, example=4.897e-9),
-        "beta_empty": Constant("kg/(s Pa)", "flow out of a chamber by opening and pressure", above=0, example=5.173e-9),
-    }
 
     @staticmethod
     def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own) -> Value:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import ClassVar
 
-from stribeck.constants import Column, Constant
+from stribeck.constants import Column
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants, observer_of
@@ -32,20 +31,6 @@ def least_K_D(K: Value, sigma_0: Value, sigma_1: Value, w: Value) -> Value:
     :func:`stribeck.loops.proof.derive`.
     """
     return K * sigma_1 * (sigma_1 * w / 4 - sigma_0)
-
-
-class Adaptation:
-    """The constants of the adaptive observer."""
-
-    constants: ClassVar[dict[str, Constant]] = {
-        "gamma_0": Constant("1/J", "adaptation gain of sigma_0", at_least=0, default=2.0),
-        "gamma_1": Constant("1/J", "adaptation gain of sigma_1", at_least=0, default=500.0),
-        "gamma_2": Constant("1/J", "adaptation gain of sigma_2", at_least=0, default=2.0),
-        "gamma_g": Constant("1/J", "adaptation gain of the level F_c, through 1/g", at_least=0, default=0.5),
-        "range": Constant(
-            "", "each parameter stays within its known value divided and multiplied by this", above=1, default=4.0
-        ),
-    }
 
 
 @dataclass(frozen=True)
