@@ -39,6 +39,15 @@ def test_a_law_that_cannot_be_used_is_told_once(monkeypatch):
     assert problems(law) == ["no equations"]
 
 
+def test_a_bristle_that_never_slides_has_an_infinite_steady_force_and_no_fault():
+    class Spring(LuGre):
+        @staticmethod
+        def dz_dt(p, v, z):
+            return v + 0 * z
+
+    assert problems(make(Spring)) == []
+
+
 @pytest.mark.parametrize("set_name", parameters())
 @pytest.mark.parametrize("name", builtin())
 def test_built_in_laws_make_sense(name, set_name):
