@@ -146,6 +146,17 @@ def test_what_a_static_fit_leaves_is_a_share_of_the_force():
     assert bristles._error_everywhere(fit, log) == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(("left", "asked"), [(0.03, True), (0.005, False)])
+def test_a_law_with_bristles_is_tried_wherever_it_could_win_above_the_noise(left, asked):
+    """A static law with forms left 3.7 % of a loop with presliding, LuGre 1.3 %; its slow level was half the true one."""
+    from stribeck.identify.methods import bristles
+    from tests.identify import rig
+
+    log = rig.measured([*rig.LOOPS, *rig.STROKES])
+    fit = SimpleNamespace(predictor=SimpleNamespace(force=lambda log: (1 - left) * log.force))
+    assert bristles.asked_for(log, fit) is asked
+
+
 @pytest.mark.parametrize(("error", "looks"), [(0.04, [True, False]), (0.06, [True])])
 def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monkeypatch, error, looks):
     from stribeck.identify.methods import bristles

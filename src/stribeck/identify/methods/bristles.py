@@ -11,6 +11,7 @@ from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
 from stribeck.identify.data.smoother import encoder_step
+from stribeck.identify.features.filtering import typical_roughness
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models.static_problem import shortened
@@ -23,14 +24,13 @@ LAW = "lugre"
 STARTS = 4  # on logs of the plan's motions, all four reach the same minimum
 HALF = 0.5  # of the static law's error: largest error of a bristle law, which has two more constants
 RESOLVED, STEPS = 5, 4.0  # samples of a rise after a reversal; its displacement in steps of the encoder
-LITTLE = 0.05  # of the force in all rows: calibration error of a force sensor
 FEWEST = 3  # least number of such reversals
 LOOKED_AT = 20_000  # most reversals: more take longer than the fit
 
 
 def asked_for(log: Log, static: LogFit) -> bool:
-    """Whether a bristle law should be fitted: the log shows presliding that the static fit does not describe."""
-    return _error_everywhere(static, log) > LITTLE and shows_presliding(log)
+    """Whether a bristle law could be chosen: the log shows presliding, and less noise than the error at which one wins."""
+    return _noise_everywhere(log) < HALF * _error_everywhere(static, log) and shows_presliding(log)
 
 
 def better(
@@ -107,6 +107,13 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
     assert fit.predictor is not None
     log = shortened(log, MANY_ROWS)
     return size_ratio(log.force - fit.predictor.force(log), log.force)
+
+
+def _noise_everywhere(log: Log) -> float:
+    """The force's noise as a share of the force: the relative residual that no law can undercut."""
+    log = shortened(log, MANY_ROWS)
+    white = typical_roughness([log.force[rows] for rows in log.runs()])
+    return size_ratio(np.full(len(log), white), log.force)
 
 
 def shows_presliding(log: Log) -> bool:
