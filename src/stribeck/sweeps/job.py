@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from fnmatch import fnmatch
 from hashlib import sha256
 from pathlib import Path
@@ -16,19 +18,20 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
+from stribeck.files import finite, read_file, write_with
 from stribeck.mouth.document import Document
+from stribeck.platforms import Occupied, locked
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import variations
 from stribeck.simulation.ensemble import simulate_ensemble
-from stribeck.simulation.native import step_share
 from stribeck.sweeps import tables
-from stribeck.sweeps.folder import Folder
 from stribeck.version import __version__
 
 Progress = Callable[[float, float], None]
 
 _PART_BYTES = 64e6  # of the columns of one part: some seconds of work, the most that is lost if a sweep is killed
+_LEFT = ".[0-9]*-????????.tmp"  # temporary files of files.write_with and files.together that kill -9 leaves
 _MANIFEST = "_manifest.json"  # readers of a folder of Parquet files skip names that begin with an underscore
 
 
@@ -60,7 +63,7 @@ class Sweep:
     def __init__(self, scenario: Scenario, values: Mapping[str, Array], out: Path | str, summary: bool) -> None:
         with needed("a sweep"):
             import pyarrow  # noqa: F401  (before hours of work, not after)
-        self.lanes, self.folder = variations.vary(scenario, values), Folder(Path(out))
+        self.lanes, self.folder = variations.vary(scenario, values), Path(out)
         self.summary = summary
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
@@ -95,7 +98,7 @@ class Sweep:
     @property
     def files(self) -> list[str]:
         """The paths of the manifest and the parts."""
-        return [self.folder.path(name) for name in (_MANIFEST, *map(self.name, range(self.parts)))]
+        return [str(self.folder / name) for name in (_MANIFEST, *map(self.name, range(self.parts)))]
 
     @property
     def failed(self) -> int:
@@ -126,7 +129,7 @@ class Sweep:
         Raises:
             InputError: if the folder contains another sweep, or another process works in it.
         """
-        with self.folder.alone():
+        with _alone(self.folder):
             todo = self._missing_parts()
             existing = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
             done = 0
@@ -150,7 +153,7 @@ class Sweep:
         ensemble = simulate_ensemble(self.lanes.scenario, self.values_of(part), threads=threads, progress=progress)
         columns = tables.summary(ensemble, first) if self.summary else tables.trajectories(ensemble, first)
         content = tables.as_parquet(columns)
-        self.folder.put(self.name(part), content)
+        _put(self.folder / self.name(part), content)
         failed = sum(reason is not None for reason in ensemble.reason)
         self._finished[self.name(part)] = Finished(sha256(content).hexdigest(), failed, int(ensemble.inaccurate.sum()))
 
@@ -161,7 +164,7 @@ class Sweep:
             InputError: if the folder contains another sweep, or a part of another sweep.
         """
         here = f"{arg('out')}: {str(self.folder)!r}"
-        names = self.folder.names()
+        names = [path.name for path in self.folder.iterdir()]
         parts = {name for name in names if fnmatch(name, "part-*.*")}
         if _MANIFEST not in names:
             if parts:
@@ -188,7 +191,7 @@ class Sweep:
     def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, Finished]]:
         """The manifest: description of the sweep, and its finished parts by name."""
         try:
-            manifest = json.loads(self.folder.get(_MANIFEST))
+            manifest = json.loads(read_file(self.folder / _MANIFEST))
             digests, *counts = (dict(manifest.pop(field)) for field in Finished._fields)
             known = [name for name in digests if all(name in each for each in counts)]
             finished = {name: Finished(digests[name], *(each[name] for each in counts)) for name in known}
@@ -202,34 +205,48 @@ class Sweep:
 
     def _digest_of(self, name: str) -> str | None:
         try:
-            return sha256(self.folder.get(name)).hexdigest()
+            return sha256(read_file(self.folder / name)).hexdigest()
         except OSError:  # a folder or a pipe in its place
             return None
 
     def _write_manifest(self) -> None:
         parts = sorted(self._finished.items())
         about = {**self._about, **{n: {name: part[i] for name, part in parts} for i, n in enumerate(Finished._fields)}}
-        self.folder.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
+        _put(self.folder / _MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
 
     def _digest(self) -> str:
         """SHA-256 of all inputs of the numbers: equations and solver as C, all constants, the signal, the values."""
         s, lanes = self.lanes.scenario, self.lanes
         table = s.pieces()
-        pieces = [table.start, table.rows, table.restart]
-        about = s.data.get("drive", [each["seed"] for each in s.elements.sampling()])
-        numbers = [
-            sorted((*key, x) for key, x in s.elements.values.items()),
-            s.initial,
-            s.atol(),
-            s.elements.thresholds(),
-            s.end,
-        ]
-        settings = [
-            s.solve.rtol, step_share(s), s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about,
-        ]  # fmt: skip
-        text = json.dumps([source(s.system, lanes=True), numbers, settings])
-        arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
-        return sha256(text.encode() + arrays).hexdigest()
+        constants = sorted((*key, x) for key, x in s.elements.values.items())
+        text = json.dumps([source(s.system, lanes=True), constants, s.atol(), finite(s.data), list(lanes.values)])
+        arrays = [table.start, table.rows, table.restart, *lanes.values.values()]
+        return sha256(text.encode() + b"".join(np.ascontiguousarray(x).tobytes() for x in arrays)).hexdigest()
+
+
+def _put(path: Path, content: bytes) -> None:
+    """Write a file atomically. A link, a pipe or a device in its place is removed, not followed."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        path.unlink()
+    write_with(path, lambda beside: beside.write_bytes(content))
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Lock the folder against other sweeps, and remove the temporary files of killed processes.
+
+    Raises:
+        InputError: if another process works in the folder.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        with locked(folder, wait=False):
+            for left in folder.glob(_LEFT):
+                shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
+            yield
+    except Occupied:
+        text = "another process is at work there: must be another folder, or wait"
+        raise InputError(f"{arg('out')}: {str(folder)!r}: {text}") from None
 
 
 def sweep(
