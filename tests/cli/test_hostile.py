@@ -124,7 +124,6 @@ def test_places_that_cannot_be_written(stribeck, scenario, tmp_path, which):
         words = ("lugre", "--parameters", "canudas1995", "--target", target)
         refused(stribeck("export", *words, "--out", out), "--out: ")
     refused(stribeck("new", "mine", "--out", out), "--out: ")
-    refused(stribeck("run", scenario, "--keep-c", out, "--out", tmp_path / "never"), "--keep-c: ")
     assert sorted(tmp_path.rglob("*")) == before
 
 

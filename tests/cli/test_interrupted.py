@@ -168,7 +168,7 @@ def test_a_program_over_one_with_a_synthetic_log(stribeck, tmp_path):
 @pytest.mark.parametrize(
     "words",
     [
-        "design machine.toml --out .", "fit machine.toml --logs logs.toml --out .", "run machine.toml --keep-c machine.toml",
+        "design machine.toml --out .", "fit machine.toml --logs logs.toml --out .",
         "explore machine.toml --out machine.toml", "export machine.toml --target fmu --out ./machine.toml",
         "check machine.toml --certificate machine.toml", "import bam machine.toml --out machine.toml",
     ],

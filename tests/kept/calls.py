@@ -50,7 +50,7 @@ from stribeck.properties.prover.ring import Ring
 from stribeck.properties.prover.search import Budget, Prover
 from stribeck.recorded import opened
 from stribeck.scenario import parse_assignment, schema
-from stribeck.simulation import c_source, wasm
+from stribeck.simulation import wasm
 from stribeck.sweeps.ranges import Range
 from stribeck.waveforms.pieces import pieces
 from tests.kept import shown
@@ -386,7 +386,7 @@ def _refused_file(what, tables):
 
 @kept("codegen/c")
 def _():
-    yield from _codes(lambda scenario: c_source(scenario))
+    yield from _codes(lambda scenario: source(scenario.system))
 
 
 @kept("codegen/lanes")
@@ -532,7 +532,7 @@ ENDS = {  # where each command ends, and how it begins
 }
 GIVEN = {  # a value of each option that takes one
     "set_": "k_v=2e6", "law": "dahl", "contact": "guide", "controller": "axis", "parameters": "canudas1995", "v_max": "0.5",
-    "level": "0.5:2", "force": "a=1", "certificate": "c.json", "out": "o", "keep_c": "k.c", "backend": "wasm", "_backend": "wasm",
+    "level": "0.5:2", "force": "a=1", "certificate": "c.json", "out": "o", "backend": "wasm", "_backend": "wasm",
     "vary": "controllers.axis.K_p=1:2", "uncertainty": "u.toml", "part": "law", "scenario": "stick_slip.toml", "fmi": "2",
     "target": "c", "step": "1e-3", "creep": "1e-6", "share": "0.9", "steady_error": "0.1", "speed": "0.1",
     "mass": "2", "time": "t",

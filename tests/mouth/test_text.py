@@ -120,7 +120,7 @@ def rig(tmp_path):
     "words",
     [("library", "mine.py:Mine"), ("run", "rig.toml", "--out", "out"), ("run", "rig.toml", "--show"),
      ("check", "mine.py:Mine", "--set", "c=2", "--out", "out"), ("run", "rig.toml", "--set", "law.c=-1"),
-     ("run", "rig.toml", "--keep-c", "rig.c"), ("run", "rig.toml", "--set", "solve.max_steps=1"),
+     ("run", "rig.toml", "--set", "solve.max_steps=1"),
      ("run", "rig.toml", "--law", "dahl:sigma_0=1e4,F_c=1", "--law", "mine.py:Mine:c=3")],
     ids=" ".join,
 )  # fmt: skip

@@ -7,8 +7,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from stribeck.cli.options import Json, Out, ScenarioOptions, command, flag, output_path, setting
-from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell
+from stribeck.cli.options import Json, Out, ScenarioOptions, command, flag, setting
+from stribeck.cli.output import OutputFolder, command_line, failed, print_json, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, read_pairs
 
@@ -35,10 +35,6 @@ def run(
         setting("--contact", "NAME", "Contact whose law --law replaces; needed if there are several."),
     ] = None,
     show: Annotated[bool, flag("--show", "Print the machine instead of running it.")] = False,
-    keep_c: Annotated[
-        Path | None,
-        setting("--keep-c", "FILE", "Write the generated C to this file.", parser=output_path),
-    ] = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -46,36 +42,28 @@ def run(
     laws = law or []
     given = source.load(lambda: read_pairs(_law, laws, "--law"))
     if show:
-        others = {"--law": laws, "--keep-c": keep_c, "--out": out}
+        others = {"--law": laws, "--out": out}
         if wrong := [n for n, x in others.items() if x]:
             raise InputError([f"{name}: must be left out with --show, which simulates nothing" for name in wrong])
         return _show(given, json)
     if contact is not None and not laws:
         raise InputError("--contact: goes with --law, which is not given")
-    if len(laws) > 1 and keep_c is not None:
-        raise InputError("--keep-c: must be left out where several laws are compared")
     variants = _under_laws(given, laws, contact)
     if len(laws) > 1:
         return _compare(variants, given.name, out, json)
     (given,) = variants.values() or (given,)
-    if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
-        check_file("--keep-c", keep_c, source.scenario)
-    return _simulate(given, keep_c, out, json)
+    return _simulate(given, out, json)
 
 
-def _simulate(scenario: Scenario, keep_c: Path | None, out: Path | None, json: bool) -> int:
+def _simulate(scenario: Scenario, out: Path | None, json: bool) -> int:
     """Simulate, write the files asked for, print the summary."""
-    from stribeck.files import write_text
-    from stribeck.simulation import c_source, simulate
+    from stribeck.simulation import simulate
     from stribeck.simulation.tables import RUN
 
     with OutputFolder(out, writes=RUN):
         with progress(scenario.name) as share:
             solution = simulate(scenario, progress=share)
         summary, files = solution.summary(), list[str]()
-        if keep_c is not None:
-            write_text(keep_c, c_source(scenario))
-            files.append(str(keep_c))
         if out is not None:
             from stribeck.simulation.tables import write_run
 

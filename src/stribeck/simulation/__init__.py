@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
-from stribeck.codegen import source
 from stribeck.errors import InputError, arg, note
 from stribeck.scenario import Scenario
 from stribeck.simulation import single
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from stribeck.scenario.objects import Machine
     from stribeck.simulation.ensemble import Ensemble
 
-__all__ = ["Ensemble", "Solution", "c_source", "simulate"]
+__all__ = ["Ensemble", "Solution", "simulate"]
 
 
 @overload
@@ -80,11 +79,6 @@ def simulate(
     if threads is not None:
         raise InputError(f"{arg('threads')}: {threads}: goes with vary, which is not given")
     return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)
-
-
-def c_source(scenario: Scenario) -> str:
-    """The generated C of a scenario's system: equations, Jacobian and solver; constants are run-time arguments."""
-    return source(scenario.system)
 
 
 def __getattr__(name: str) -> object:
