@@ -307,28 +307,6 @@ def test_a_signal_after_the_end(number):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-AT_THE_VERY_END = """
-import ctypes, signal
-libc = ctypes.CDLL(None)
-libc.strdup.restype = ctypes.c_void_p
-libc.__cxa_atexit(libc.getchar, None, None)
-libc.__cxa_atexit(libc.perror, ctypes.c_void_p(libc.strdup(b"ready")), None)
-from stribeck.cli import main
-main(["--version"])
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="asks glibc to wait when Python has ended")
-def test_ctrl_c_when_python_has_ended():
-    """It has given the signal back by then, and the process was killed with its work done: 1 of 100 tries."""
-    pipe = subprocess.PIPE
-    process = subprocess.Popen([sys.executable, "-c", AT_THE_VERY_END], stdin=pipe, stdout=pipe, stderr=pipe, text=True)
-    assert process.stderr.readline().startswith("ready")
-    process.send_signal(signal.SIGINT)
-    process.communicate()
-    assert process.returncode == 0
-
-
 def test_what_was_fitted_is_said_when_the_drawing_is_stopped(stribeck, tmp_path, monkeypatch):
     """The fit was lost with the page."""
     monkeypatch.setattr(pages, "write", _stopped)

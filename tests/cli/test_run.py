@@ -47,21 +47,6 @@ def test_a_failed_computation_keeps_its_partial_result_marked(stribeck, scenario
     assert "failed early" in (out / "plot.svg").read_text()
 
 
-def test_a_full_disk_leaves_nothing_half_written(stribeck, scenario, tmp_path, monkeypatch):
-    out = tmp_path / "out"
-    stribeck("run", scenario, "--out", out)
-    before = {path.name: path.read_bytes() for path in out.iterdir()}
-
-    def full(self, target):
-        raise OSError(28, "No space left on device", str(target))
-
-    monkeypatch.setattr("pathlib.Path.replace", full)
-    result = stribeck("run", scenario, "--out", out, "--set", "drive.signal.rate=0.2")
-    assert result.status == 1
-    assert "No space left on device" in result.err
-    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
-
-
 def test_without_room_for_the_page_the_numbers_are_kept(stribeck, scenario, tmp_path, monkeypatch):
     monkeypatch.setattr("stribeck.mouth.page.write_text", lambda path, text: _fails(path))
     result = stribeck("run", scenario, "--out", tmp_path / "out")

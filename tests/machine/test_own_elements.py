@@ -2,7 +2,6 @@
 
 import re
 import shlex
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -184,18 +183,6 @@ def test_mistakes(kind, text, folder):
     with pytest.raises(InputError) as error:
         Scenario(rig(links={"k": {**LINK, "kind": kind}}), folder=folder)
     assert [line.startswith("links.k.kind: ") and text in line for line in error.value.problems] == [True]
-
-
-def test_the_example_of_the_documentation(tmp_path):
-    """docs/howto/own-element.md: its file and its tables, as they stand."""
-    text = (Path(__file__).parent.parent.parent / "docs" / "howto" / "own-element.md").read_text(encoding="utf-8")
-    python, toml = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("python", "toml"))
-    (tmp_path / "elements.py").write_text(python)
-    tables = tomllib.loads(toml)
-    data = machine({"slider": {"mass": 1.0}}, links=tables["links"], loads={**tables["loads"], "p": push(on="slider")})
-    s = solved(data, tmp_path)
-    np.testing.assert_allclose(s["spring.f"], 400 * s["slider.y"] + 1e5 * s["slider.y"] ** 3, rtol=1e-12, atol=1e-15)
-    assert_balanced(s, 1e-8)
 
 
 @pytest.mark.thorough

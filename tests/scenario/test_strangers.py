@@ -4,6 +4,7 @@ import pytest
 
 from stribeck import InputError, Scenario, examples
 from stribeck.cli import _status
+from tests.machine.machines import machine
 from tests.scenario.valid_scenarios import CANUDAS, VALID, edited, toml
 from tests.shared import LINKS, needs_links
 
@@ -11,11 +12,16 @@ LAW = """
 from pathlib import Path
 from stribeck.laws import BristleLaw
 from stribeck.laws.lugre import LuGre
+from stribeck.machine.elements.links import Link
 
 Path(__file__).resolve().with_name("executed").touch()
 
 class Mine(LuGre):
     "LuGre."
+
+
+class Own(Link):
+    "A link."
 """
 
 
@@ -141,6 +147,25 @@ def test_every_command(words, place, capsys, monkeypatch):
     assert not (place / "out").exists()
     _status([*words, "--trust"])
     assert executed(place) == ["beside"]
+
+
+@pytest.mark.parametrize("outside", [False, True])
+@pytest.mark.parametrize("key", ["law", "link"])
+def test_a_machine_may_name_laws_and_elements(key, outside, place):
+    file = "../beside/mine.py" if outside else "mine.py"
+    law = {"name": f"{file}:Mine" if key == "law" else "lugre", "parameters": CANUDAS}
+    link = {"from": "a", "stiffness": 1.0, "kind": f"{file}:Own" if key == "link" else "link"}
+    data = machine({"a": {"mass": 1.0}}, links={"k": link}, contacts={"c": {"from": "a", "law": law}})
+    path = place / "machine.toml"
+    for wrong, text in (({"solve": {"t_end": -1.0}}, "t_end"), ({}, "lies outside")):
+        if wrong or outside:
+            path.write_text(toml(data | wrong))
+            with pytest.raises(InputError, match=text):
+                Scenario.load(path)
+    assert executed(place) == []
+    path.write_text(toml(data))
+    assert Scenario.load(path, trust=outside).elements is not None
+    assert executed(place) == ["beside" if outside else "home"]
 
 
 def test_an_observer_s_file_keeps_its_name_in_a_message(tmp_path):
