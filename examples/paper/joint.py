@@ -91,10 +91,10 @@ def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     result = {}
     for contact in scenario.system.contacts:
         varied = of_contact(scenario.elements, contact, scenario.end, {})
-        result[contact.name] = varied, CheckedAlways(varied, None, WORK, {}).passive()
+        result[contact.name] = varied, CheckedAlways(varied, None, WORK).passive()
     law = scenario.elements.laws["contacts.mesh.law"]
     bare = type(law)({**law.values, **law.choices, "v_d": None}, law.rotary)
-    return result, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK, {}).passive()
+    return result, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK).passive()
 
 
 def _numbers(

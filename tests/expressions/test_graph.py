@@ -122,21 +122,6 @@ def test_derivative_is_sympys(tree, point, by):
     assert result == pytest.approx(float(expected), rel=1e-7, abs=1e-7 * size)
 
 
-@QUICK
-@given(trees(), POINTS, st.sampled_from(NAMES))
-def test_derivative_is_that_of_differences(tree, point, by):
-    def moved(h):
-        return numbers(tree, {**point, by: point[by] + h})
-
-    coarse, fine, side = ((moved(h) - moved(-h)) / (2 * h) for h in (2e-6, 1e-6, 1.5e-6))
-    size = 1 + abs(moved(0)) + abs(fine)
-    assume(size < 1e3)
-    assume(abs(coarse - fine) < 1e-5 * size)  # no kink or pole nearby
-    assume(abs(side - fine) < 1e-5 * size)
-    assume(abs(moved(1e-6) - 2 * moved(0) + moved(-1e-6)) < 1e-9 * size)
-    assert value(derivative(node_of(tree, NODES), NODES[by]), point) == pytest.approx(fine, abs=1e-4 * size)
-
-
 def test_derivatives_at_kinks():
     """What the solver and the Jacobian at rest rely on: |x| has the slope 0 at 0, and so has a root of it."""
     at_rest = {"x": 0.0, "y": 0.5, "k_v": 1.0}

@@ -72,13 +72,6 @@ def test_break_away_deflections_of_the_smooth_elastoplastic_laws():
     assert ZBA < make("elastoplastic_majorant").steady_deflection(1e-6) < g(1e-6)
 
 
-def test_an_infinite_steady_force():
-    """lugre_arctan has no bound: the slower the speed, the larger the force."""
-    forces = make("lugre_arctan").steady_force(10.0 ** -np.arange(3, 12))
-    assert np.all(np.diff(forces) > 0)
-    assert forces[-1] > 1e4 * FS
-
-
 @pytest.mark.parametrize("name", builtin())
 def test_force_rate(name):
     """dF/dt along a motion: v(t) = v + w t, and z follows its equation."""

@@ -19,25 +19,6 @@ from stribeck.properties.verdicts import refusals
 from stribeck_verify import verify
 from tests.properties.nasty import MILD
 
-LAWS: dict[str, dict[str, Any]] = {
-    "lugre": {}, "dahl": {}, "lugre_arctan": {"k_v": 1e6, "sigma_1": 0.0}, "lugre_majorant": {"k_v": 1e6},
-    "elastoplastic": {"z_ba": 7e-6},
-}  # fmt: skip
-
-
-def law(name: str) -> Any:
-    return stribeck.law(name, MILD, **LAWS[name])
-
-
-@cache
-def checked(name: str) -> Any:
-    return stribeck.check(law(name))
-
-
-def certificates(name: str) -> dict[str, dict[str, Any]]:
-    return {n: v.certificate for n, v in checked(name).properties.items() if v.holds}
-
-
 # -- damping that falls with speed, a billionth below what theory.md allows ---------------------------------------------
 
 OWN = {"lugre_arctan": {"k_v": 1e4}, "lugre_majorant": {"k_v": 1e4, "smooth_abs": "compact"}}
@@ -79,7 +60,7 @@ def test_a_bound_of_the_slope_that_sampling_only_just_meets_is_confirmed():
 
 def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
     monkeypatch.setattr(stribeck_verify, "verify", lambda *a: ["told to refuse"])
-    verdicts = stribeck.check(law("dahl"))
+    verdicts = stribeck.check(stribeck.law("dahl", sigma_0=1e5, F_c=1.0))
     assert {v.holds for v in verdicts.properties.values()} <= {None, False}
     assert "told to refuse" in verdicts["bounded"].evidence["reason"]
 

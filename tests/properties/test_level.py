@@ -36,7 +36,7 @@ def with_(law, **changes):
 
 
 def passive_only(law, low, high, v_max=None):
-    return CheckedAlways(Varied.by_level(law, low, high), v_max, 2400.0, {}).passive()
+    return CheckedAlways(Varied.by_level(law, low, high), v_max, 2400.0).passive()
 
 
 @pytest.mark.share(3)
@@ -152,9 +152,9 @@ def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
     excess = 2 / (math.pi * 1e6) if "majorant" in name else 0.0
     assert largest == pytest.approx(math.sqrt(2 * math.e) * (4 / 316.2 - excess), rel=1e-14)
     inside, outside = (with_(law, v_d=largest * x) for x in (1 - CLOSE, 1 + CLOSE))
-    assert CheckedAlways(Varied(inside, ranges), None, 2400.0, {}).passive().holds
+    assert CheckedAlways(Varied(inside, ranges), None, 2400.0).passive().holds
     assert not suffices(Varied(outside, ranges).worst(any_z=True))
-    refuted = CheckedAlways(Varied(with_(law, v_d=4 * largest), ranges), None, 2400.0, {}).passive()
+    refuted = CheckedAlways(Varied(with_(law, v_d=4 * largest), ranges), None, 2400.0).passive()
     assert refuted.holds is False
     assert refuted.evidence["replay"]["E_in"] < 0
 
@@ -233,10 +233,10 @@ def test_the_limit_of_the_damping_that_falls_with_speed(name, table, own, gain):
     assert limit / by_formula == pytest.approx(gain, rel=1e-3)
     ranges = {n: (Fraction(table[n]), None) for n in ("F_c", "F_s")}
     inside, outside = (Varied(stribeck.law(name, table, **own, v_d=x * limit), ranges) for x in (0.999, 1.1))
-    proof = CheckedAlways(inside, None, 2400.0, {}).passive()
+    proof = CheckedAlways(inside, None, 2400.0).passive()
     assert proof.holds
     assert "coq" not in proof.evidence  # whose theorem is about the formula
-    refuted = CheckedAlways(outside, None, 2400.0, {}).passive()
+    refuted = CheckedAlways(outside, None, 2400.0).passive()
     assert refuted.holds is False
     assert replay.repeats(refuted.scenario, refuted.evidence["replay"])
     assert refuted.evidence["replay"]["E_in"] < 0
@@ -288,7 +288,7 @@ def test_a_proof_that_the_checker_refuses_gives_way_to_another():
 def test_the_checker_takes_no_other_numbers_for_the_limit():
     law = stribeck.law("lugre", VISCOUS, v_d=8.9)
     ranges = {n: (Fraction(VISCOUS[n]), None) for n in ("F_c", "F_s")}
-    certificate = CheckedAlways(Varied(law, ranges), None, 2400.0, {}).passive().certificate
+    certificate = CheckedAlways(Varied(law, ranges), None, 2400.0).passive().certificate
     assert certificate["theorem"] == "damped"
     assert verify(certificate) == []
     knots = certificate["data"]["knots"]

@@ -181,13 +181,11 @@ def varying(law, **factors):
 def test_the_elastic_range_is_the_smallest_that_there_is():
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
     scenario = Scenario(varying(law, z_ba=(1.0, 0.5))).elements
-    proofs = {}
-    result = CheckedAlways(of_contact(scenario, scenario.system.contacts[0], 2.0, {}), None, 2400.0, proofs).decided(
-        "drift_free"
-    )
+    varied = of_contact(scenario, scenario.system.contacts[0], 2.0, {})
+    result = CheckedAlways(varied, None, 2400.0).decided("drift_free")
     assert result.holds
     assert result.evidence["z_0"] == pytest.approx(4e-5)
-    assert refusals(result.certificate, proofs["drift_free"], "drift_free") == []
+    assert refusals(result.certificate, result.law, "drift_free") == []
 
 
 @pytest.mark.parametrize("name", ["F_c", "F_s", "level"])

@@ -121,7 +121,6 @@ def test_two_z_is_not_z():
 
 SPELLINGS = {
     "|z| for sgn(v) z": lambda p, v, z: v * (1 - sign(v) * z / g(p, v)),
-    "one quotient": lambda p, v, z: (g(p, v) * v - abs(v) * z) / g(p, v),
     "clipped at infinity": lambda p, v, z: v - where(v < float("inf"), abs(v), -v) / g(p, v) * z,
     "combined conditions": lambda p, v, z: v - where(either(v * z > 0, v * z <= 0), abs(v), 0.0) / g(p, v) * z,
 }

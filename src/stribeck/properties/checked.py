@@ -70,7 +70,7 @@ def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
 def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
     """The verdicts that hold for every history within the ranges."""
     verdicts = Verdicts(varied.law, {}, v_max, varied=varied)
-    return _verdicts(verdicts, CheckedAlways(varied, v_max, work, verdicts.proofs).decided)
+    return _verdicts(verdicts, CheckedAlways(varied, v_max, work).decided)
 
 
 def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
@@ -170,8 +170,8 @@ def at_level(law: Law, level: tuple[float, float]) -> Varied:
 class CheckedAlways:
     """Decides the properties of a law whose constants vary, each for every history within their ranges."""
 
-    def __init__(self, varied: Varied, v_max: float | None, work: float, proofs: dict[str, Law]) -> None:
-        self.varied, self.v_max, self.work, self.proofs = varied, v_max, work, proofs
+    def __init__(self, varied: Varied, v_max: float | None, work: float) -> None:
+        self.varied, self.v_max, self.work = varied, v_max, work
         kind = type(varied.law)
         self.known = kind.name in BRISTLES and laws.builtin().get(kind.name) is kind
         self._held: dict[tuple[int, str], Verdict] = {}
@@ -197,10 +197,8 @@ class CheckedAlways:
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
         assert verdict.certificate is not None
         verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
-        confirmed = accepted(verdict, law, name, self.v_max)
-        if confirmed.holds:
-            self.proofs[name] = law
-        return confirmed
+        verdict.law = law
+        return accepted(verdict, law, name, self.v_max)
 
     def at_lowest_level(self, name: str) -> Verdict:
         """Unique, smooth or drift_free: for this package's laws, the lowest level decides for all levels."""
@@ -216,7 +214,7 @@ class CheckedAlways:
         """A counterexample at one end of the level, marked as such."""
         if verdict.holds is False:
             verdict.method = _HELD + verdict.method
-            self.proofs[name] = self._end(side, name)
+            verdict.law = self._end(side, name)
         return verdict
 
     def bounded(self) -> Verdict:

@@ -35,6 +35,7 @@ class Verdict:
         certificate: the proof as plain data, which ``stribeck check --verify`` and other programs check, or None.
         verified: whether the independent checker, or a second run of a counterexample, agreed; None if neither was
             requested or applies.
+        law: if constants vary, the law that was decided, which represents all laws or is one of them.
     """
 
     holds: bool | None
@@ -43,6 +44,7 @@ class Verdict:
     scenario: dict[str, Json] | None = None
     verified: bool | None = None
     certificate: dict[str, Json] | None = field(default=None, repr=False)
+    law: Law | None = field(default=None, repr=False)
 
     @property
     def reason(self) -> str:
@@ -123,7 +125,6 @@ class Verdicts:
         steepness: if tolerances were given, the smallest k_v that meets them, for the law and for the majorant law of its
             family.
         varied: if constants vary, the law and their ranges. Each verdict holds for every history within these.
-        proofs: if constants vary, the law of each verdict, which represents all laws or is one of them.
     """
 
     law: Law
@@ -131,7 +132,6 @@ class Verdicts:
     v_max: float | None = None
     steepness: dict[str, Steepness] = field(default_factory=dict)
     varied: Varied | None = None
-    proofs: dict[str, Law] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
@@ -165,7 +165,7 @@ class Verdicts:
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
         for name, verdict in self.properties.items():
-            verdict.verify(self.proofs.get(name, self.law), name, self.v_max)
+            verdict.verify(verdict.law or self.law, name, self.v_max)
             if verdict.verified and verdict.holds and self.varied is not None:
                 verdict.verified = (verdict.certificate or {}).get("level") == self.varied.exactly()
         return all(verdict.verified is not False for verdict in self.properties.values())
