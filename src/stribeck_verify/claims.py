@@ -191,7 +191,7 @@ def prove(claim: Claim, law: Law, closed: bool = False) -> None:
         elif kind == "diagonal":
             stack += zip(rest, _diagonal(at), strict=True)
         else:
-            stack.append((rest[0], _polar(at, kind[-1])))
+            stack.append((rest[0], _polar(at)))
 
 
 def _shown(region: Region) -> str:
@@ -213,13 +213,12 @@ def _split(region: Region, axis: Json, at: Json, below: Json, above: Json) -> li
     ]
 
 
-def _polar(region: Region, kept: str) -> Region:
+def _polar(region: Region) -> Region:
     if set(region.axes) != {"u", "w"}:
         raise Refused("polar coordinates need a rectangle in u and w")
-    ratio = "p" if kept == "w" else "q"
-    if not region.open and region.axes[kept][0] == 0:
+    if not region.open and region.axes["u"][0] == 0:
         raise Refused("polar coordinates leave out an axis that belongs to the region")
-    return Region({kept: region.axes[kept], ratio: (fmpq(0), None)}, region.axes, region.open)
+    return Region({"u": region.axes["u"], "q": (fmpq(0), None)}, region.axes, region.open)
 
 
 def _diagonal(region: Region) -> list[Region]:

@@ -158,7 +158,7 @@ def tree(x: Json) -> None:
             _one_of("u", "w", "p", "q")(rest[0])
             rational(rest[1])
             stack += rest[2:]
-        elif isinstance(kind, str) and len(rest) == {"polar w": 1, "polar u": 1, "diagonal": 2}.get(kind):
+        elif isinstance(kind, str) and len(rest) == {"polar u": 1, "diagonal": 2}.get(kind):
             stack += rest
         else:
             raise Refused(f"no tree: {str(at)[:60]}")

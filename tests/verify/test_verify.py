@@ -292,12 +292,12 @@ def test_splits_and_polar_coordinates():
             return False
         return True
 
-    split = ["split", "p", "1/2", leaf, ["split", "p", "1", leaf, leaf]]
+    split = ["split", "q", "1/2", leaf, ["split", "q", "1", leaf, leaf]]
     assert not proved(leaf)
-    assert proved(["polar w", split])
-    assert not proved(["polar w", ["split", "p", "1/2", leaf, ["split", "q", "1", leaf, leaf]]])  # no such axis
-    assert not proved(["polar w", ["split", "p", "0", leaf, leaf]])  # not within
-    assert not proved(["polar w", ["polar u", leaf]])
+    assert proved(["polar u", split])
+    assert not proved(["polar u", ["split", "q", "1/2", leaf, ["split", "p", "1", leaf, leaf]]])  # no such axis
+    assert not proved(["polar u", ["split", "q", "0", leaf, leaf]])  # not within
+    assert not proved(["polar u", ["polar u", leaf]])
     small = ["diagonal", ["split", "q", "1/2", leaf, leaf], ["split", "p", "1/2", leaf, leaf]]
     assert proved(small, ["0", "1"], ["0", "1"])
     assert not proved(small)  # only for finite rectangles
@@ -354,7 +354,7 @@ def whole_certificates():
         [["lt", "u", "w"], "either"],
     ]
     trees = [
-        ["split", "u", "1", ["polar w", ["leaf", atoms]], ["polar u", ["leaf", []]]],
+        ["split", "u", "1", ["polar u", ["leaf", atoms]], ["leaf", []]],
         ["diagonal", ["leaf", []], ["leaf", []]],
     ]
     unused = [

@@ -42,14 +42,11 @@ def serves(storage: Storage, elastic: Slope, top: float) -> NDArray[np.bool_]:
     return inside
 
 
-def fit(storage: Storage, elastic: Slope, top: float) -> Fitted | None:
-    """Slopes of a storage function between sampled L and U.
+def fit(storage: Storage, elastic: Slope, top: float, served: NDArray[np.bool_]) -> Fitted | None:
+    """Slopes of a storage function between sampled L and U, or None if one is not finite.
 
-    None if the elastic force lies outside near z = 0 or inside everywhere, or if a slope is not finite.
+    ``served`` is where the elastic force lies between them: near z = 0, and not everywhere.
     """
-    served = serves(storage, elastic, top)
-    if not served[0] or served.all():
-        return None
     z = top * _dense()
     start = float(z[max(int(served.argmin()) - 1, 0)]) * 0.99
     parts = [_slopes(storage, elastic, np.sort(side * np.linspace(start, top, _CELLS + 1))) for side in (1, -1)]

@@ -115,13 +115,7 @@ class Model:
         places = self._switches()
         speeds |= places["u"]
         lengths |= places["w"]
-        slopes: set[Fraction] = set()
-        sigma_0, sigma_1 = (self.values.get(f"c_{n}", Fraction(0)) for n in ("sigma_0", "sigma_1"))
-        if sigma_0 > 0 and sigma_1 > 0:
-            slopes = {sigma_1 / sigma_0}
-        return Prover(
-            self.ring, self.inputs, Hints(tuple(sorted(speeds)), tuple(sorted(lengths)), tuple(sorted(slopes)))
-        )
+        return Prover(self.ring, self.inputs, Hints(tuple(sorted(speeds)), tuple(sorted(lengths))))
 
     def _switches(self) -> dict[str, set[Fraction]]:
         """The rational speeds and deflections at which conditions switch."""

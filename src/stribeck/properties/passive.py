@@ -116,7 +116,8 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
                 return proved(model, certificate, _OWN, evidence)
             reasons.append("no proof was found with the elastic energy as storage")
         elif bounded is not None and served[0]:
-            verdict = _with_cells(model, claims, storage, slope, rising, bounded)
+            cells = fitted.fit(storage, _numeric(model, slope), top, served)
+            verdict = None if cells is None else _with_cells(model, claims, cells, slope, rising, bounded)
             if verdict is not None:
                 verdict.evidence.update(bounds)
                 return verdict
@@ -140,15 +141,13 @@ def by_storage(
 def _with_cells(
     model: Model,
     claims: ClaimProver,
-    storage: Storage,
+    cells: fitted.Fitted,
     slope: Expr,
     rising: list[Claim],
     bounded: Certificate,
 ) -> Verdict | None:
+    """The proof with slopes fitted on cells of z."""
     reach = model.bound[1]
-    cells = fitted.fit(storage, _numeric(model, slope), float(reach))
-    if cells is None:
-        return None
     u, elastic_reach = (NULL, model.v_max), Fraction(cells.elastic_up_to)
     shown = claims.power(slope, u, (NULL, elastic_reach), (*SIGNS, 0))
     if shown is None:

@@ -61,11 +61,10 @@ class Budget:
 
 @dataclass(frozen=True)
 class Hints:
-    """Where speeds and deflections may be cut first, and slopes w/u of importance."""
+    """Where speeds and deflections may be cut first."""
 
     speeds: tuple[Fraction, ...] = ()
     lengths: tuple[Fraction, ...] = ()
-    slopes: tuple[Fraction, ...] = ()
 
 
 @dataclass
@@ -119,33 +118,22 @@ class _Search:
         try:
             if (tree := self.leaf(region)) is not None:
                 return tree
-            names = {a.name for a in region.axes}
-            if names == {"u", "w"} and self.cones and self.relation == ">=0":
-                for tree in self._cones(region):
-                    if tree is not None:
-                        return tree
+            if self.cones and self.relation == ">=0" and (tree := self._polar(region)) is not None:
+                return tree
             return self.divide(region) if self.relation != "=0" or self.cones else None
         except Spent:
             return None
 
-    def _cones(self, region: Region) -> Iterator[Tree | None]:
+    def _polar(self, region: Region) -> Tree | None:
+        """A tree for all u, w > 0 in the coordinates u and q = w/u, with a third of the work."""
         u, w = region.axis("u"), region.axis("w")
-        assert u is not None
-        assert w is not None
-        if u.low != 0 or u.high is not None or w.low != 0:
-            return
-        polar = region.with_axes(w, Axis("p", Fraction(0), None))
-        for slope in self.prover.hints.slopes:
-            below, above = polar.split("p", 1 / slope)
-            if (first := self.leaf(below)) is not None and (second := self.leaf(above)) is not None:
-                yield ["polar w", ["split", "p", str(1 / slope), first, second]]
-        if w.high is None:
-            polar = region.with_axes(u, Axis("q", Fraction(0), None))
-            whole, tree = self.work, None
-            with suppress(Spent), whole.limited(whole.left / 3) as self.work:
-                tree = self.divide(polar)
-            self.work = whole
-            yield ["polar u", tree] if tree is not None else None
+        if u is None or w is None or u.low != 0 or w.low != 0 or u.high is not None or w.high is not None:
+            return None
+        whole, tree = self.work, None
+        with suppress(Spent), whole.limited(whole.left / 3) as self.work:
+            tree = self.divide(region.with_axes(u, Axis("q", Fraction(0), None)))
+        self.work = whole
+        return ["polar u", tree] if tree is not None else None
 
     def divide(self, region: Region, cuts: Mapping[str, int] = _NONE) -> Tree | None:
         """A tree for a region; ``cuts``: how often each axis was cut."""
@@ -250,8 +238,6 @@ class _Search:
         best: tuple[float, str, Fraction] | None = None
         for a in region.axes:
             marks = {"u": self.prover.hints.speeds, "w": self.prover.hints.lengths}.get(a.name, ())
-            slopes = self.prover.hints.slopes
-            marks = tuple(slopes) if a.name == "q" else tuple(1 / s for s in slopes) if a.name == "p" else marks
             inside = [x for x in marks if a.low < x and (a.high is None or x < a.high)]
             width, place = _width(a, inside)
             width /= 1 + 0.5 * cuts.get(a.name, 0)
