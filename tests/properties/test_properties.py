@@ -171,6 +171,13 @@ def test_a_load_below_break_away_moves_what_drifts(name):
     assert abs(solution.final["y"]) > 0.01 * verdicts.evidence["elastic_displacement"]
 
 
+def test_one_sided_derivatives_of_lugre():
+    evidence = decided(law_with("lugre"), "smooth").evidence
+    share = evidence["z"] / 1.5e-5
+    assert evidence["v"] == 0.0
+    assert [evidence[n] for n in ("from_below", "from_above")] == pytest.approx([1 + share, 1 - share])
+
+
 # -- what is wrong on purpose -----------------------------------------------------------------------------------------
 
 CAUGHT = {
