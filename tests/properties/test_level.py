@@ -272,6 +272,14 @@ def test_the_limit_of_v_d_is_that_of_the_lowest_stribeck_curve(name, table, own,
     assert refuted.evidence["replay"]["E_in"] < 0
 
 
+def test_the_lowest_stribeck_curve_is_that_of_the_smallest_v_s():
+    """At 10 m/s the curve is F_s where the damping acts, and enough; at 1 mm/s it is F_c."""
+    law = stribeck.law("lugre", {**VISCOUS, "sigma_2": 0.1, "F_s": 2.5, "v_s": 10.0})
+    law = with_(law, v_d=1.5 * largest_v_d(Varied.by_level(law, 1.0, 1.0)))
+    for least, holds in ((Fraction(10), True), (Fraction(1, 1000), None)):
+        assert CheckedAlways(Varied(law, {"v_s": (least, Fraction(10))}), None, 2400.0).passive().holds is holds
+
+
 def test_a_level_that_does_not_vary_is_that_of_a_law():
     """Also where another storage function than the elastic energy is needed: here beyond 0.0143 m/s, up to 0.038."""
     verdict = passive_only(stribeck.law("lugre", {**TABLE, "sigma_2": 0.4}), 2.0, 2.0, 0.07)

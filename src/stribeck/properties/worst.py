@@ -131,7 +131,8 @@ class Varied:
         low, high = self.newtons
         if low <= 0 or (not any_z and (high is None or name == "lugre_arctan")):
             return None
-        values: dict[str, Json] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2", "v_s")}
+        values: dict[str, Json] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2")}
+        values["v_s"] = down(self.range("v_s")[0])
         values |= {"F_c": down(low), "F_s": down(low) if "delta" in self.ranges else down(self.range("F_s")[0])}
         values["F_s"] = max(values["F_s"], values["F_c"])
         values |= {n: self._worst(n) for n in ("v_d",) if self.law.values.get(n) is not None}
