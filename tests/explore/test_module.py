@@ -9,8 +9,8 @@ import pytest
 pytest.importorskip("wasmtime")
 
 from stribeck import Scenario, examples, parameter_sets, simulate
-from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns
+from stribeck.explore.page import layout, shape
 from stribeck.explore.variants import subject, under, variants
 from stribeck.laws import builtin, find
 from stribeck.simulation.native import step_share
@@ -22,11 +22,11 @@ def module_of(scenario):
     """The module of a scenario that is on no page."""
     built = with_functions(scenario.system, appendix(scenario))
     law = {
-        "wasm": b64encode(compress(built.module)), "shape": wasm.shape(built),
+        "wasm": b64encode(compress(built.module)), "shape": shape(built),
         "parameters": [".".join(x) for x in scenario.system.parameters],
         "states": [s.name for s in scenario.system.states], "columns": [{"name": c.name} for c in columns(scenario.system)],
     }  # fmt: skip
-    return Module(law, wasm.layout())
+    return Module(law, layout())
 
 
 @pytest.mark.parametrize("law", ["lugre_majorant", "elastoplastic"])

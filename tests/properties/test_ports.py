@@ -10,12 +10,12 @@ from stribeck import Scenario
 from stribeck.errors import InputError
 from stribeck.expressions.ops import where
 from stribeck.laws.base import Scales, StaticLaw
+from stribeck.machine.signal import SignalTable
 from stribeck.properties import ports, replay, stateless
 from stribeck.properties.checked import CheckedAlways
 from stribeck.properties.ranges import of_contact, of_force, of_signal
 from stribeck.properties.verdicts import refusals
 from stribeck.properties.worst import Varied
-from stribeck.waveforms import KINDS
 from tests.machine.test_servo import MACHINE
 
 PASSIVE = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 60.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
@@ -57,7 +57,7 @@ def test_signals_stay_within_their_range(kind, given):
     assert high >= values.max() - 1e-12
     assert low == pytest.approx(values.min(), abs=1e-3)
     assert high == pytest.approx(values.max(), abs=1e-3)
-    assert kind in KINDS
+    assert kind in SignalTable.kinds
 
 
 @pytest.mark.parametrize(("kind", "given", "t_end"), [

@@ -105,28 +105,18 @@ def export(
     if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
-    chosen = _chosen(target, law, parameters, set_ or [], scenario, selection, trust)
+    part, chosen, rig, origin = _chosen(target, law, parameters, set_ or [], scenario, selection, trust)
     with progress(f"export to {target}"):
         files = write(
-            chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, origin=chosen.origin,
+            chosen, target, out, part=part, scenario=rig, origin=origin,
             controller=selection.controller, contact=selection.contact, **asdict(tool),
         )  # fmt: skip
     if json:
         names = [str(file) for file in files]
-        print_json(_summary(chosen.law, chosen.scenario) | {"target": target, "part": chosen.part, "files": names})
+        print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": names})
     else:
         wrote(files)
     return 0
-
-
-@dataclass(frozen=True)
-class _Chosen:
-    """The export: a part of a law or of a machine, and the source of its parameters."""
-
-    part: str
-    law: Law | None
-    scenario: Scenario | None
-    origin: str
 
 
 def _chosen(
@@ -137,8 +127,8 @@ def _chosen(
     scenario: Path | None,
     selection: PartOptions,
     trust: bool,
-) -> _Chosen:
-    """What the options name.
+) -> tuple[str, Law | None, Scenario | None, str]:
+    """What the options name: the part, the law or the machine that it is of, and the source of its parameters.
 
     Raises:
         InputError: it is not known, or the options do not go together.
@@ -168,7 +158,7 @@ def _chosen(
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    return _Chosen(part, chosen, rig, origin)
+    return part, chosen, rig, origin
 
 
 def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:

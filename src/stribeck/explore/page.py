@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gzip
 import re
 from base64 import b64encode
@@ -11,7 +12,6 @@ from importlib import resources
 from pathlib import Path
 
 from stribeck.errors import InputError, arg, needed, printable, unbroken
-from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import Chart, figures, panels
 from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
@@ -24,7 +24,7 @@ from stribeck.laws.render import Equation, condition, equations
 from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import EVENT_ROOM
-from stribeck.simulation.wasm import System, with_functions
+from stribeck.simulation.wasm import System, run_struct, with_functions
 from stribeck.version import __version__
 from stribeck.waveforms import PointsSignal
 
@@ -86,7 +86,7 @@ def _machine(scenario: Scenario, laws: Iterable[str] | None) -> dict[str, object
     return {
         "scenario": _plain(measured_machine.scenario.data),
         "law": "machine",
-        "laws": {"machine": {**machine_law(scenario), "wasm": _compressed(module.module), "shape": wasm.shape(module)}},
+        "laws": {"machine": {**machine_law(scenario), "wasm": _compressed(module.module), "shape": shape(module)}},
         "numbers": [n.as_data() for n in measured_machine.numbers],
         "claims": [],
         "signal": None,
@@ -109,7 +109,7 @@ def _fill(
     """The page's text with the data in it: the scenario's ``own``, and what every page has."""
     data = {
         "name": scenario.name, "version": __version__, "command": command, **own, "watched": scenario.system.watched,
-        "layout": wasm.layout(), "eventRoom": EVENT_ROOM,
+        "layout": layout(), "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()}, "figures": figures(shown),
     }  # fmt: skip
     charts = [
@@ -156,8 +156,26 @@ def _law(scenario: Scenario, module: System) -> dict[str, object]:
         "equations": [printable(each.text) for each in equations(kind, form)],
         "speed": float(law.scales(law.p).speed),
         "wasm": _compressed(module.module),
-        "shape": wasm.shape(module),
+        "shape": shape(module),
     }
+
+
+def shape(system: System) -> dict[str, object]:
+    """The runtime's description of the system before a solution (runtime/any.c), and the address of free memory."""
+    return {"numbers": system.shape, "end": system.end}
+
+
+def layout() -> dict[str, tuple[int, str]]:
+    """The fields of the struct Run in the memory of a module: each one's offset and kind."""
+    kind = run_struct()
+    fields = {name: (getattr(kind, name).offset, _word(of)) for name, of, *_ in kind._fields_}
+    return {**fields, "_size": (ctypes.sizeof(kind), "size")}
+
+
+def _word(kind: object) -> str:
+    if kind is ctypes.c_double:
+        return "double"
+    return "integer" if kind is ctypes.c_int64 else "pointer"
 
 
 def _path(scenario: Scenario, name: str) -> str:

@@ -17,10 +17,11 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
+from stribeck.machine.signal import SignalTable
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import entry_at
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
-from stribeck.waveforms import KINDS, Signal, SumSignal
+from stribeck.waveforms import Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
 MOST_STEPS = 600_000  # per lane, then the run ends: some 200 s of a controller at 1 kHz
@@ -198,7 +199,7 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
     data = deepcopy(scenario.data)
     table = data["controllers"][controller]
     table["signal"] = signal
-    if not KINDS[str(signal["kind"])].smooth:
+    if not SignalTable.kinds[str(signal["kind"])].made_by.smooth:
         table.pop("feedforward", None)  # needs a second derivative, like lead
         if table.get("compensation"):
             table["compensation"].pop("lead", None)

@@ -1,8 +1,7 @@
-"""Signals: references and inputs as functions of time; ``KINDS`` lists them."""
+"""Signals: references and inputs as functions of time."""
 
 from __future__ import annotations
 
-from stribeck.waveforms import piecewise, sums, trajectories
 from stribeck.waveforms.piecewise import (
     FileSignal,
     PointsSignal,
@@ -19,8 +18,6 @@ from stribeck.waveforms.sums import SumSignal
 from stribeck.waveforms.trajectories import Curve, PointToPointSignal, SplineSignal
 
 __all__ = [
-    "KINDS", "Curve", "FileSignal", "PointToPointSignal", "PointsSignal", "RampSignal", "Segment", "Segments", "Signal",
+    "Curve", "FileSignal", "PointToPointSignal", "PointsSignal", "RampSignal", "Segment", "Segments", "Signal",
     "SineSignal", "SplineSignal", "SquareSignal", "StaircaseSignal", "StepSignal", "SumSignal",
 ]  # fmt: skip
-
-KINDS: dict[str, type[Signal]] = {**piecewise.KINDS, **trajectories.KINDS, **sums.KINDS}

@@ -66,7 +66,6 @@ class Signal:
     """A signal as a function of time: one equation if ``smooth``, otherwise linear between breakpoints."""
 
     kind: ClassVar[str]
-    meaning: ClassVar[str]
     constants: ClassVar[dict[str, Constant]] = {}
     smooth: ClassVar[bool] = False
 
@@ -137,7 +136,7 @@ def _drop_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool
 class RampSignal(Signal):
     """rate * t."""
 
-    kind, meaning = "ramp", "rate * t"
+    kind = "ramp"
     constants: ClassVar[dict[str, Constant]] = {"rate": OfSignal("signal/s", "slope of the signal", rate=True)}
 
     @cached_property
@@ -148,7 +147,7 @@ class RampSignal(Signal):
 class StepSignal(Signal):
     """0 before ``time``, ``value`` from then on."""
 
-    kind, meaning = "step", "0 before time, value from then on"
+    kind = "step"
     constants: ClassVar[dict[str, Constant]] = {
         "value": OfSignal("signal", "the signal from time on"),
         "time": Constant("s", "when the signal jumps"),
@@ -162,7 +161,7 @@ class StepSignal(Signal):
 class SquareSignal(Signal):
     """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
 
-    kind, meaning = "square", "offset + amplitude and offset - amplitude in turn, for cycles periods; then offset"
+    kind = "square"
     constants: ClassVar[dict[str, Constant]] = {
         "amplitude": OfSignal("signal", "amplitude"),
         "frequency": Constant("Hz", "frequency", above=0),
@@ -181,7 +180,7 @@ class SquareSignal(Signal):
 class SineSignal(Signal):
     """offset + amplitude sin(2 pi frequency t + phase)."""
 
-    kind, meaning, smooth = "sine", "offset + amplitude sin(2 pi frequency t + phase)", True
+    kind, smooth = "sine", True
     constants: ClassVar[dict[str, Constant]] = {
         "amplitude": OfSignal("signal", "amplitude"),
         "frequency": Constant("Hz", "frequency", above=0),
@@ -217,7 +216,6 @@ class PointsSignal(Signal):
     """Straight lines between points, constant outside; two equal times make a jump."""
 
     kind = "points"
-    meaning = "linear interpolation between points, constant outside; two equal times make a jump"
 
     def __init__(self, t: Array, value: Array) -> None:
         super().__init__()
@@ -248,7 +246,7 @@ class PointsSignal(Signal):
 class StaircaseSignal(PointsSignal):
     """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
 
-    kind, meaning = "staircase", "each level for hold seconds, from one to the next within ramp; the last one stays"
+    kind = "staircase"
     constants: ClassVar[dict[str, Constant]] = {
         "hold": Constant("s", "how long each level is held", above=0),
         "ramp": Constant("s", "how long the way to the next level takes; 0 jumps", at_least=0, default=0.0),
@@ -264,7 +262,7 @@ class StaircaseSignal(PointsSignal):
 class FileSignal(PointsSignal):
     """Two columns of a recorded table, read as points."""
 
-    kind, meaning = "file", "two columns of a recorded file, read as points"
+    kind = "file"
     constants: ClassVar[dict[str, Constant]] = {
         "scale": Constant("", "factor of the values, after their unit", default=1.0)
     }
@@ -340,7 +338,3 @@ def _polyline(t: Array, value: Array) -> Segments:
     with np.errstate(over="ignore"):  # a motion that comes there is no longer finite
         slope = np.concatenate([[0.0], np.diff(value)[inner] / length[inner], [0.0]])
     return Segments(start, levels, slope)
-
-
-KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, SquareSignal,
-                                                    StaircaseSignal, FileSignal)}  # fmt: skip

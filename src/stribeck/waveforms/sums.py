@@ -26,7 +26,7 @@ _ROUNDING = 1e-12  # relative: well above the rounding of values
 class SumSignal(Signal):
     """The sum of several signals."""
 
-    kind, meaning, smooth = "sum", "the sum of the signals in of", True
+    kind, smooth = "sum", True
     sines: ClassVar[int] = 0
 
     def __init__(self, parts: Sequence[Signal]) -> None:
@@ -148,6 +148,3 @@ def sum_with(sines: int) -> type[SumSignal]:
     """The class of sums with a number of sines, on which the equation depends."""
     waves = {f"{n}_{i}": c for i in range(sines) for n, c in SineSignal.constants.items()}
     return type("SumSignal", (SumSignal,), {"sines": sines, "constants": {**Curve.constants, **waves}})
-
-
-KINDS: dict[str, type[Signal]] = {SumSignal.kind: SumSignal}

@@ -104,7 +104,6 @@ class PointToPointSignal(Curve):
     """Moves from point to point, each with zero speed, acceleration and jerk at both ends."""
 
     kind = "point_to_point"
-    meaning = "moves from each point to the next, at rest at every point; polynomials of order seven"
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:
@@ -124,9 +123,6 @@ class SplineSignal(Curve):
     """A spline through points, at rest at the first and the last."""
 
     kind = "spline"
-    meaning = (
-        "a spline of order seven through points, at rest at the first and the last; its six derivatives are continuous"
-    )
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:
@@ -139,6 +135,3 @@ class SplineSignal(Curve):
         rows = PPoly.from_spline(spline)  # type: ignore[arg-type]
         inside = np.flatnonzero(np.diff(rows.x) > 0)
         return np.asarray(rows.c[::-1, inside].T, float)
-
-
-KINDS: dict[str, type[Curve]] = {curve.kind: curve for curve in (PointToPointSignal, SplineSignal)}
