@@ -30,8 +30,7 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static import LAWS, fit_static
 from stribeck.identify.models.curves import curve_of
-from stribeck.identify.models.record import record_of
-from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.models.record import record_of, rows_of
 from stribeck.identify.options import FitOptions
 
 PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"

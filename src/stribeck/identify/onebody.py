@@ -29,7 +29,7 @@ from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.static_problem import shortened
+from stribeck.identify.models.record import shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import FrictionRows, LogFit, with_units
@@ -213,7 +213,7 @@ def _first(model: OneBody, log: Log) -> None:
     columns = {n: terms.column(n, log) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
     force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
     wanted = [n for n in model.wanted if n in columns]
-    of_wanted, curve = steady_curve(log.velocity, [columns[n] for n in wanted], force)
+    of_wanted, curve, _ = steady_curve(log.velocity, [columns[n] for n in wanted], force)
     least = dict(zip(wanted, of_wanted.tolist(), strict=True))
     least = {n: x for n, x in least.items() if x > 0 or not TERMS[n].positive}
     beside = sum((x * columns[n] for n, x in least.items()), np.zeros(len(log)))

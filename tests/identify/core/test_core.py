@@ -10,8 +10,7 @@ from stribeck.identify.core.predictor import of_json, predictor
 from stribeck.identify.core.search import library, refine
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import curve_of
-from stribeck.identify.models.record import record_of
-from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.models.record import record_of, rows_of, shortened
 from stribeck.laws import find
 from tests.identify.core.records import TRUTH, joined, record
 
@@ -196,11 +195,10 @@ def test_the_law_alone_has_no_forms():
     assert choice.model[1] == ()
 
 
-def test_a_very_long_record_is_predicted_from_stretches_of_it(plain, monkeypatch):
+def test_a_very_long_record_is_predicted_from_stretches_of_it(plain):
     log, other = record(), record(14, noise=0.0)
-    whole = predictor(plain, log)
-    monkeypatch.setattr("stribeck.identify.core.predictor.MANY_ROWS", len(log) // 3)
-    part = predictor(plain, log)
+    stretches = shortened(log, len(log) // 3)
+    whole, part = predictor(plain, log), predictor(choice_of(stretches), stretches)
     assert part.error == pytest.approx(whole.error, rel=0.1)
     assert 0 < np.linalg.norm(part.force(other) - whole.force(other)) < 0.01 * np.linalg.norm(other.force)
 

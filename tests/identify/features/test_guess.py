@@ -15,7 +15,7 @@ def test_a_stribeck_curve_is_found_beside_inertia_and_offset(v_s):
     sign = np.tanh(V / 1e-3)
     force = 2 * A + 0.5 + (5 + 3 * np.exp(-((V / v_s) ** 2))) * sign + 10 * V
     force += 0.05 * np.random.default_rng(7).standard_normal(len(T))
-    beside, curve = steady_curve(V, [A, np.ones(len(T))], force)
+    beside, curve, _ = steady_curve(V, [A, np.ones(len(T))], force)
     assert beside == pytest.approx([2, 0.5], rel=0.05, abs=0.05)
     assert curve["F_c"] == pytest.approx(5, rel=0.25)
     assert 5 < curve["sigma_2"] < 20

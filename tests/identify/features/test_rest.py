@@ -7,7 +7,7 @@ import stribeck
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.models.record import rows_of, shortened
 
 STEP = 2e-3
 
@@ -98,12 +98,9 @@ def test_a_rest_of_which_little_is_left_at_an_edge_is_found():
     np.testing.assert_array_equal(at_rest(log), ~np.tile(moving, 4))
 
 
-def test_a_long_record_is_thinned_to_where_it_moves(monkeypatch):
-    from stribeck.identify.models import static_problem
-
+def test_a_long_record_is_thinned_to_where_it_moves():
     log, _ = from_rest_to_rest(12)
-    monkeypatch.setattr(static_problem, "ENOUGH_ROWS", 12 * 1500)
-    rows = rows_of(log)
+    rows = rows_of(shortened(log, 12 * 1500))
     assert np.mean(rows.rest) < 0.2  # a third of the record is rest
     within = rows.log.time % 6.0  # each file's start and stop, which tell the mass, are there
     assert all(np.any(abs(within - moment) < STEP) for moment in (1.05, 1.35, 4.65))

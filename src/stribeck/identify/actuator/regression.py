@@ -21,8 +21,7 @@ from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.states import Estimate, EstimateState, one_sided
 from stribeck.identify.models.curves import REACHED
-from stribeck.identify.models.record import ROWS
-from stribeck.identify.models.static_problem import BLOCKS
+from stribeck.identify.models.record import BLOCKS, ROWS
 from stribeck.laws.base import Law
 
 SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck

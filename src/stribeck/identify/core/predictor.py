@@ -24,10 +24,9 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.search import optimum
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import MANY_ROWS, Log
+from stribeck.identify.log import Log
 from stribeck.identify.models.curves import curve_of
-from stribeck.identify.models.record import LawColumns, body_columns
-from stribeck.identify.models.static_problem import MOST_ROWS, beside_rest, shortened
+from stribeck.identify.models.record import MOST_ROWS, LawColumns, beside_rest, body_columns
 
 FOLDS = 6  # stretches left out in turn
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -93,12 +92,7 @@ def of_json(saved: Kept) -> Predictor:
 
 
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
-    """The candidate that predicts held-out stretches of a log best.
-
-    Args:
-        log: the whole record of the choice; of a very long one stretches are used.
-    """
-    log = shortened(log, MANY_ROWS)
+    """The candidate that predicts held-out stretches of the choice's record best."""
     rest = at_rest(log)
     moving, block = np.flatnonzero(~(rest | beside_rest(rest, log))), choice.library.record.block
     if not len(moving):

@@ -20,7 +20,6 @@ EVEN = 1e-2  # of the step: deviation up to which times count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run: up to five lost samples are interpolated
 _ALIKE = 0.95  # least correlation of the displacements by position and by velocity
 _OFF = 1.5  # ratio of both displacements: beyond it a unit is wrong
-_SPIKE = 10.0  # times the usual force: friction never reaches it
 _RARE = 0.02  # of the rows: more outliers are the behavior of the machine, not a fault of a sensor
 _GLITCH, _SCATTER = 20.0, 2.5  # times the usual distance from a cubic: an outlier; the noise beside it
 _TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # distances from cubics that an outlier of 1 causes
@@ -99,10 +98,8 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "the log was split there, and no filter crosses a gap"
         )
     runs = _pieces(columns, new_run | gaps, number, notes)
-    _replace_motion_outliers(columns, runs, number, notes)
+    _replace_outliers(columns, runs, number, notes)
     _require_agreement(columns, runs, number)
-    if "force" in columns:
-        _replace_force_outliers(columns, number, notes)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= EVEN
     if not even:
@@ -168,13 +165,13 @@ def _ratio(measured: Array, summed: Array) -> float | None:
     return float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
 
 
-def _replace_motion_outliers(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
-    """Replace isolated outliers of position and velocity by cubic interpolation.
+def _replace_outliers(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
+    """Replace isolated outliers of motion and force by cubic interpolation.
 
-    Such an outlier lasts one row and is no motion of a body: a lost bit, or a disturbed optical encoder. A jump or a kink
-    has another pattern of differences and stays.
+    Such an outlier lasts one row and is no motion of a body and no friction: a lost bit, a disturbed optical encoder, or a
+    loose plug. A jump or a kink has another pattern of differences and stays.
     """
-    for role in ("position", "velocity"):
+    for role in ("position", "velocity", "force"):
         if role not in columns:
             continue
         off = np.zeros(len(columns[role]))
@@ -230,25 +227,6 @@ def _distance_from_cubic(x: Array) -> Array:
     An outlier of 1 has the distance 1, and its neighbors have -2/3.
     """
     return np.asarray(x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6)
-
-
-def _replace_force_outliers(columns: dict[str, Array], number: str, notes: list[str]) -> None:
-    """Replace isolated outliers of the force, as of a loose plug or a lost bit, by linear interpolation."""
-    force = columns["force"]
-    thin = force[:: max(len(force) // MANY_ROWS, 1)]
-    middle = float(np.median(thin))
-    usual = float(np.quantile(abs(thin - middle), 0.95))
-    far = np.concatenate([[True], abs(force - middle) > _SPIKE * usual, [True]])
-    spikes = np.flatnonzero(far[1:-1] & ~far[:-2] & ~far[2:])
-    if usual > 0.0 and 0 < len(spikes) < _RARE * len(force):
-        largest = float(np.max(abs(force[spikes])))
-        notes.append(
-            f"{number}: force: {len(spikes)} isolated outliers of up to {largest:.3g} ({usual:.3g} is usual; first at "
-            f"{columns['time'][spikes[0]]:.6g} s) were replaced by linear interpolation"
-        )
-        kept = np.delete(np.arange(len(force)), spikes)
-        columns["force"] = force.copy()
-        columns["force"][spikes] = np.interp(spikes, kept, force[kept])
 
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.log import STILL, Log
+from stribeck.identify.log import STILL, Log, size_ratio
 from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
@@ -114,28 +114,36 @@ def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int
                 yield half, float(rise[half]), float(abs(y[first + half] - y[first]))
 
 
-def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array, dict[str, float]]:
-    """Initial values of a Stribeck curve, and coefficients of other force columns, by least squares on a grid of v_s.
+def steady_curve(
+    v: Array, beside: Sequence[Array], force: Array, tried: Array | None = None
+) -> tuple[Array, dict[str, float], float]:
+    """A Stribeck curve, and coefficients of other force columns, by least squares on a grid of v_s.
 
     Args:
         v: velocity, m/s.
         beside: columns of the other forces.
         force: sum of friction and the other forces, N.
+        tried: values of v_s for a curve with an exact sign; without them, some for initial values.
+
+    Returns:
+        The other columns' coefficients, the curve's constants, and norm(residual)/norm(force).
     """
     fast = float(np.max(abs(v), initial=1e-300))
     curves = []
-    for v_s in np.geomspace(*_BENDS, _PLACES) * fast:
-        sign = np.tanh(v / min(_SIGN * fast, _WITHIN * v_s))
+    for v_s in np.geomspace(*_BENDS, _PLACES) * fast if tried is None else tried:
+        sign = np.sign(v) if tried is not None else np.tanh(v / min(_SIGN * fast, _WITHIN * v_s))
         columns = np.column_stack([*beside, sign, np.exp(-((v / v_s) ** 2)) * sign, v])
         size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         x, *_ = np.linalg.lstsq(columns / size, force, rcond=1e-9)
         left = force - columns / size @ x
         *of_beside, F_c, bend, sigma_2 = x / size
-        curves.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
+        curves.append(
+            (size_ratio(left, force), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2})
+        )
     falling = [each for each in curves if each[2]["F_s"] > each[2]["F_c"] > 0]
-    _, of_beside, values = min(falling or curves, key=lambda each: each[0])
+    left_over, of_beside, values = min(falling or curves, key=lambda each: each[0])
     values["F_s"] = max(values["F_s"], values["F_c"])  # F_s >= F_c in every law
-    return np.array(of_beside), {n: float(x) for n, x in values.items()}
+    return np.array(of_beside), {n: float(x) for n, x in values.items()}, left_over
 
 
 def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str, Guess]:

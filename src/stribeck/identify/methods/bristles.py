@@ -14,7 +14,7 @@ from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.filtering import typical_roughness
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
-from stribeck.identify.models.static_problem import shortened
+from stribeck.identify.models.record import shortened
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, LogFit

@@ -22,11 +22,11 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log
-from stribeck.identify.log import Log, size_ratio, thinned
+from stribeck.identify.features.guess import steady_curve
+from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve, curve_of
-from stribeck.identify.models.record import Record, record_of
-from stribeck.identify.models.static_problem import Rows, rows_of
+from stribeck.identify.models.record import Record, Rows, record_of, rows_of, shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
@@ -56,6 +56,7 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
     terms.check(tuple(options.terms), log)
     check_motion(log)
     tell = progress or (lambda _: None)
+    whole, log = log, shortened(log, ENOUGH_ROWS)
     rows = rows_of(log)
     body, unused = _terms(log, options)
     with threadpool_limits(1):  # the matrices are too small for more threads
@@ -65,8 +66,9 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
         tell(2 / 3)
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
-        predicting = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
-    return replace(_finished(rows, choice, estimates, unused, options, predicting.error), predictor=predicting)
+        predicting = predictor(choice if same else _chosen(wide, names, body, options), log)
+    fitted = _finished(rows, choice, estimates, unused, options, predicting.error)
+    return replace(fitted, predictor=predicting, log=whole, data_hash=whole.hash)
 
 
 def _filtered_lower(
@@ -187,9 +189,9 @@ def _finished(
         levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
         values=fixed | _used(choice, judged_estimates, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
         relative_force_error=size_ratio(r, lib.record.column(lib.record.log.force)),
-        cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash=rows.source.hash,
+        cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash="",
         friction=friction, notes=tuple(_notes(choice, estimates, unused, forms, log)), candidates=tuple(_candidates(choice)),
-        log=rows.source, rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
+        rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
         nearest_stribeck=nearest_stribeck(choice) or None if of_bends else None,
     )  # fmt: skip
 
@@ -272,18 +274,8 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     slow, fast = lib.at.speeds[0], lib.at.speeds[3]
     v = np.geomspace(max(slow, 1e-3 * fast), fast, 60)
     level = lib.level(choice.model, choice.coefficients, v)
-    best: tuple[float, dict[str, float]] = (np.inf, {})
-    for v_s in np.geomspace(v[0], fast, 60).tolist():
-        rise = np.exp(-((v / v_s) ** 2))
-        a = np.column_stack([np.ones(len(v)), rise, v])
-        x = np.linalg.lstsq(a, level, rcond=None)[0]
-        left = size_ratio(level - a @ x, level)
-        if x[0] > 0 and x[1] >= 0 and left < best[0]:
-            best = (
-                left,
-                {"F_c": x[0], "F_s": x[0] + x[1], "v_s": v_s, "sigma_2": max(float(x[2]), 0.0), "deviation": left},
-            )
-    return {n: float(z) for n, z in best[1].items()}
+    _, values, left = steady_curve(v, [], level, np.geomspace(v[0], fast, 60))
+    return {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left} if values["F_s"] > values["F_c"] > 0 else {}
 
 
 def _notes(
