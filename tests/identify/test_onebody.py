@@ -16,7 +16,7 @@ STEP = 2e-3
 
 def fitted(log, law="lugre", **options):
     asked = FitOptions(**{"method": "dynamic", "starts": 1, **options})
-    asked.check(law)
+    asked.check([law])
     return simulated(log, law, asked).judged()
 
 

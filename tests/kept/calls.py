@@ -537,7 +537,7 @@ GIVEN = {  # a value of each option that takes one
     "target": "c", "step": "1e-3", "creep": "1e-6", "share": "0.9", "steady_error": "0.1", "speed": "0.1",
     "mass": "2", "time": "t",
     "position": "v", "velocity": "v", "acceleration": "v", "load": "F", "pressure": "F", "run": "F", "force_gain": "2",
-    "unit": "v=mm/s", "counts": "4096", "term": "stiffness", "method": "static", "free": "k_v", "filter_": "published",
+    "unit": "v=mm/s", "term": "stiffness", "method": "static", "free": "k_v", "filter_": "published",
     "cutoff": "20", "starts": "3", "seed": "4", "output": "velocity", "unknown": "F_c=1:2", "require": "F_c=5%",
     "plan": "stroke=1,speed=1,force=1", "logs": "axis.logs.toml", "fit": "fit", "machine": "body.toml", "command": "F",
     "samples": "5", "threads": "2",

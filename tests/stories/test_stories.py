@@ -89,7 +89,7 @@ def test_the_log_of_a_closed_loop_becomes_a_compensator(tmp_path, capsys):
     (tmp_path / "servo.toml").write_text(f"""
 schema = 2
 [bodies.rotor]
-inertia = {document["mass"]["estimate"]}
+inertia = {document["mass"]["value"]}
 [contacts.bearing]
 from = "rotor"
 law = {{ name = "stribeck", {sharp} parameters = "fit/parameters.toml" }}

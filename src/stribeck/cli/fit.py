@@ -54,10 +54,6 @@ class How:
         bool,
         flag("--no-forms", "Fit the law alone, without forms (further terms for missing effects; static).", ADVANCED),
     ] = False
-    no_weight: Annotated[
-        bool,
-        flag("--no-weight", "Leave out the weight of a rotary joint (static).", ADVANCED),
-    ] = False
     filter_: Annotated[
         str | None,
         setting(
@@ -116,7 +112,7 @@ class How:
         """The same as arguments of :func:`stribeck.fit`."""
         return {
             "mass": self.mass, "method": self.method, "free": self.free or (), "terms": self.term or (),
-            "forms": not self.no_forms, "filter": self.filter_, "weight": not self.no_weight, "speeds": self.speed or (),
+            "forms": not self.no_forms, "filter": self.filter_, "speeds": self.speed or (),
             "cutoff": self.cutoff, "starts": self.starts, "seed": self.seed, "output": self.output,
             "unknown": sought(self.unknown or []), "require": shares(self.require or []),
         }  # fmt: skip

@@ -42,10 +42,6 @@ class Columns:
         ),
     ] = None
     unit: Annotated[list[str] | None, setting("--unit", "COL=UNIT", "Unit of a column; SI unless given.")] = None
-    counts: Annotated[
-        int | None,
-        setting("--counts", "N", "Encoder counts per turn, for the unit counts.", ADVANCED),
-    ] = None
     load: Annotated[str | None, setting("--load", "COL", "Column of the normal load.", ADVANCED)] = None
     pressure: Annotated[str | None, setting("--pressure", "COL", "Column of the pressure.", ADVANCED)] = None
 
@@ -59,16 +55,14 @@ class Columns:
 
         units = read_pairs(_unit, self.unit or [], "--unit")
         names = {
-            role: name
-            for role, name in vars(self).items()
-            if role not in ("force_gain", "unit", "counts") and name is not None
+            role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
         }
         return ColumnNames(names, units, self.force_gain)
 
     def given(self) -> Keywords:
         """The same as arguments of :func:`stribeck.fit`."""
         read = self.read()
-        return {"columns": read.names, "units": read.units, "counts": self.counts, "force_gain": read.force_gain}
+        return {"columns": read.names, "units": read.units, "force_gain": read.force_gain}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from stribeck.errors import EXTRAS, MissingExtra, StribeckError, one_line, remed
 _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
     "forces": "--force", "laws": "--law", "folder": "--out", "speeds": "--speed", "forms": "--no-forms",
-    "weight": "--no-weight",
 }  # fmt: skip
 _POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
 

@@ -16,7 +16,7 @@ from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.data.units import ROLES, with_counts
+from stribeck.identify.data.units import ROLES
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import LAWS, check_motion, fit_static
@@ -34,9 +34,9 @@ Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 def fit(
     data: Data, law: Law = None, *, logs: Logs | str | Path | None = None,
     columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
-    counts: float | None = None, force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
+    force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
-    forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
+    forms: bool = True, filter: str | None = None, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
     unknown: Mapping[str, object] | None = None, require: Mapping[str, float] | None = None,
     progress: Progress | None = None, **named: str,
@@ -52,7 +52,6 @@ def fit(
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
-        counts: an encoder's counts a turn, for columns whose unit is counts.
         force_gain: force per unit of the force column; a number, or the name of a constant in the file.
         mass: mass, kg (rotary: kg m^2); fitted unless given.
         method: "static" or "dynamic" (by simulation); static for laws without bristles, dynamic for others unless given.
@@ -61,7 +60,6 @@ def fit(
         terms: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
         forms: whether a static fit may add forms for effects that the law lacks.
         filter: "published" selects the published inverse-dynamics procedure with the law alone (static).
-        weight: whether the model has a rotary joint's weight (static).
         speeds: speeds at which the friction is estimated too, m/s (static).
         cutoff: cut-off frequency of the motion's filter, Hz; chosen from the data unless given; 0 for no filter.
         starts, seed: number of starts of a fit by simulation, and their seed.
@@ -83,10 +81,10 @@ def fit(
         InputError: if data, columns, units or constants cannot be used; one line for each problem.
     """
     options = FitOptions(
-        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter, weight,
+        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter,
         tuple(speeds), dict(unknown or {}), dict(require or {}),
     )  # fmt: skip
-    of_file = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
+    of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
     if logs is None:
         return _fit_read(data, law, of_file, options, cutoff, progress)
     _refuse_of_a_log(options, of_file, cutoff)
@@ -114,7 +112,7 @@ def _fit_read(
         progress(_READ)
         rest = lambda share: progress(_READ + (1 - _READ) * share)  # noqa: E731
     reading = RecordReading(
-        files_of(data), named.names, named.units, named.force_gain, how.cutoff, options.output, how.published,
+        files_of(data), named.names, named.units, named.force_gain, how.cutoff, how.published,
         how.simulated,
     )  # fmt: skip
     return with_requirements(replace(fit_log(log, names, options, rest), reading=reading), options.require)
@@ -149,19 +147,14 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
     if len(set(names)) < len(names):
         twice = max(names, key=list(names).count)
         raise InputError(f"{arg('law')}: {twice!r}: given twice; must differ from the others")
-    if not names:
-        options.check_without_law()
-        static_fit = fit_static(log, LAWS, options, part(progress, 0, 2))
-        if options.method is not None or not asked_for(log, static_fit):
-            return static_fit
-        return better(log, static_fit, [LAW], replace(options, starts=STARTS), part(progress, 1, 2))
-    known = {constant for name in names for constant in laws.find(name).constants()}
-    for name in names:
-        options.of_law(name, known).check(name)
-    static = [n for n in names if options.method_for(laws.find(n)) == "static"]
-    simulated = [n for n in names if n not in static]
-    parts = 2 if static and simulated else 1
+    compared = names or LAWS
+    options.check(compared)
+    static = [n for n in compared if options.method_for(laws.find(n)) == "static"]
+    simulated = [n for n in compared if n not in static]
+    parts = 2 if static and (simulated or not names) else 1
     best = fit_static(log, static, options, part(progress, 0, parts)) if static else None
+    if best is not None and not names and options.method is None and asked_for(log, best):
+        simulated, options = [LAW], replace(options, starts=STARTS)
     if best is not None and not simulated:
         return best
     check_motion(log)

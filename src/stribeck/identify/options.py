@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from stribeck import laws
-from stribeck.constants import Constant, show
+from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.recordings import Sought, sought_of
 from stribeck.identify.data.quality import LARGEST
@@ -37,7 +37,6 @@ class FitOptions:
     output: str = "force"
     forms: bool = True
     filter: str | None = None
-    weight: bool = True
     speeds: tuple[float, ...] = ()
     unknown: Mapping[str, object] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
@@ -88,91 +87,67 @@ class FitOptions:
         """Whether a static fit has the law without forms."""
         return self.published or not self.forms
 
-    def of_law(self, law: str, known: Collection[str]) -> FitOptions:
-        """The options without the constants, of those ``known``, that only other laws have."""
-        foreign = set(known) - set(laws.find(law).constants())
-        constants = {n: v for n, v in self.constants.items() if n not in foreign}
-        unknown = {n: x for n, x in self.unknown.items() if n not in foreign}
-        return replace(self, constants=constants, free=tuple(n for n in self.free if n not in foreign), unknown=unknown)
+    def of_law(self, law: str) -> FitOptions:
+        """The options without constants that this law does not have."""
+        own = {*laws.find(law).constants(), *TERMS}
+        constants = {n: x for n, x in self.constants.items() if n in own}
+        unknown = {n: x for n, x in self.unknown.items() if n in own}
+        return replace(self, constants=constants, free=tuple(n for n in self.free if n in own), unknown=unknown)
 
     def method_for(self, law: type[laws.Law]) -> str:
         """The method asked for, or what suits the law."""
         return self.method or ("dynamic" if law.has_z else "static")
 
-    def check(self, law: str) -> None:
-        """Refuse what this law cannot be asked for.
+    def check(self, names: Sequence[str]) -> None:
+        """Refuse what these laws, or one of them, cannot be asked for.
 
         Raises:
-            InputError: constants, the mass or options that the method has not; a line for each problem.
+            InputError: constants, the mass or options that a law or its method does not have; a line for each problem.
         """
-        kind = laws.find(law)
-        known, method = kind.constants(), self.method_for(kind)
-        problems = self._wrong_given(known, f"law '{law}' has no such constant") + self._wrong_free(law)
-        if not problems:
-            broken = kind.broken({n: x for n, x in self.constants.items() if n in known})
-            problems += [f"{arg(f'constants.{name}')}: {text}" for name, text in broken]
-        sought = [n for n in self.sought if n not in (*known, *TERMS) or n in self.constants]
-        problems += [f"{arg('unknown')}: {n}: is not sought{nearest(n, (*known, *TERMS))}" for n in sought]
+        known = {n: c for name in names for n, c in laws.find(name).constants().items()}
+        given = {"constants": self.constants, "free": self.free, "unknown": self.sought}
+        none = f"law '{names[0]}' has no such constant" if len(names) == 1 else "none of these laws has such a constant"
+        problems = [
+            f"{arg(what)}: {n}: {none}{nearest(n, (*known, *TERMS))}"
+            for what, some in given.items() for n in some if n not in known and (what == "free" or n not in TERMS)
+        ]  # fmt: skip
+        other = f"is given with {arg('constants')} as well; must be one of the two"
+        twice = {what: [n for n in some if n in self.constants] for what, some in given.items() if what != "constants"}
+        problems += [f"{arg(what)}: {n}: {other}" for what, some in twice.items() for n in some]
+        if self.mass is not None and "mass" in self.constants:
+            problems.append(f"{arg('mass')}: {show(self.mass)}: {other}")
+        words = [n for n in self.free if n in known and known[n].choices]
+        problems += [
+            f"{arg('free')}: {n}: is a word, not a number; must be given with {arg('constants')}" for n in words
+        ]
+        for n, x in (self.constants if self.mass is None else {**self.constants, "mass": self.mass}).items():
+            if text := problem(n, x) if n in TERMS else known[n].problem(x) if n in known else "":
+                place = "mass" if n == "mass" and self.mass is not None else f"constants.{n}"
+                problems.append(f"{arg(place)}: {show(x)}: {text}")
         if problems:
             raise InputError(problems)
-        only_static = {"forms": not self.forms, "filter": self.filter, "weight": not self.weight, "speed": self.speeds}
+        for name in names:
+            self._check_method(name)
+
+    def _check_method(self, law: str) -> None:
+        """Refuse what the law's method has not, and constants that contradict each other."""
+        kind = laws.find(law)
+        method, given = self.method_for(kind), {n: x for n, x in self.constants.items() if n in kind.constants()}
+        problems = [f"{arg(f'constants.{name}')}: {text}" for name, text in kind.broken(given)]
+        only_static = {"forms": not self.forms, "filter": self.filter, "speed": self.speeds}
         if method != "static":
-            problems = [
+            problems += [
                 f"{arg(n)}: belongs to {arg('method')} static, not {method}" for n, x in only_static.items() if x
             ]
         elif kind.has_z:
             text = (
                 f"law '{law}' has bristles, which a static fit cannot estimate; must be a static law, such as stribeck"
             )
-            problems = [f"{arg('method')}: 'static': {text}"]
+            problems.append(f"{arg('method')}: 'static': {text}")
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
-            problems = [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]
+            problems += [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]
             if self.output != "force":
                 problems.append(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
         if problems:
             raise InputError(problems)
-
-    def check_without_law(self) -> None:
-        """Refuse what cannot be asked where the law is looked for.
-
-        Raises:
-            InputError: options that need a law; constants and the mass.
-        """
-        if self.method not in (None, "static") or self.free:
-            option = "free" if self.free else "method"
-            raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        known = {n: c for kind in laws.builtin().values() for n, c in kind.constants().items()}
-        if problems := self._wrong_given(known, "no law has such a constant"):
-            raise InputError(problems)
-
-    def _wrong_given(self, known: Mapping[str, Constant], unknown: str) -> list[str]:
-        """Problems of given constants and terms, and of the mass."""
-        problems = []
-        for name, value in self.constants.items():
-            if name not in known and name not in TERMS:
-                problems.append(f"{arg('constants')}: {name}: {unknown}{nearest(name, known)}")
-            elif text := known[name].problem(value) if name in known else problem(name, value):
-                problems.append(f"{arg(f'constants.{name}')}: {show(value)}: {text}")
-        if self.mass is not None and "mass" in self.constants:
-            text = f"is given with {arg('constants')} as well; must be one of the two"
-            problems.append(f"{arg('mass')}: {show(self.mass)}: {text}")
-        elif self.mass is not None and not 0 <= self.mass <= LARGEST:
-            problems.append(f"{arg('mass')}: {show(self.mass)}: must be a number from 0 to {LARGEST:g}")
-        return problems
-
-    def _wrong_free(self, law: str) -> list[str]:
-        """Problems of constants that are to be fitted."""
-        known, problems = laws.find(law).constants(), []
-        for name in self.free:
-            if name not in known:
-                problems.append(f"{arg('free')}: {name}: law '{law}' has no such constant{nearest(name, known)}")
-            elif known[name].choices:
-                problems.append(
-                    f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
-                )
-            elif name in self.constants:
-                problems.append(
-                    f"{arg('free')}: {name}: is given with {arg('constants')} as well; must be one of the two"
-                )
-        return problems

@@ -15,7 +15,6 @@ from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.data.units import with_counts
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log, size_ratio
 from stribeck.identify.models import terms
@@ -91,7 +90,6 @@ def predict(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-    counts: float | None = None,
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trust: bool = False,
@@ -107,7 +105,6 @@ def predict(
         columns: the record's column for each role; also as keywords (``time="t"``). Of a machine ``command`` replaces its
             signal.
         units: unit of a column by its name; SI unless given.
-        counts: an encoder's counts a turn, for columns whose unit is counts.
         force_gain: force per unit of the force column.
         cutoff: cut-off frequency of the motion's filter, Hz.
         trust: execute a fit's law in a file (``FILE.py:NAME``) wherever it lies.
@@ -119,7 +116,7 @@ def predict(
     Raises:
         InputError: the record or the fit cannot be used; not one of fit and machine is given.
     """
-    names = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
+    names = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
     if (fit is None) == (machine is None):
         raise InputError(f"{arg('fit')}, {arg('machine')}: one must be given, and not both")
     if machine is not None:

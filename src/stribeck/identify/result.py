@@ -40,7 +40,6 @@ class Candidate(TypedDict):
     forms: list[str]
     numbers: int
     relative_force_error: float
-    cross_validated_error: float | None
     chosen: bool
 
 
@@ -51,7 +50,6 @@ class RecordReading:
     Attributes:
         files: the record's, if it is from files.
         columns, units, force_gain, cutoff: as the user gave them.
-        output: what a simulation was to meet.
         published: whether the record's last rows were kept, as in the published procedure.
         simulated: whether the motion was filtered for a simulation, with a higher cut-off.
     """
@@ -61,7 +59,6 @@ class RecordReading:
     units: Mapping[str, str] = field(default_factory=dict)
     force_gain: float | str | None = None
     cutoff: float | None = None
-    output: str = "force"
     published: bool = False
     simulated: bool = False
 
@@ -240,7 +237,6 @@ class LogFit(Fit):
         estimates: the fitted parameters: the law's, then the rig's (mass, offset, ...).
         values: every number of the fitted curve, and the law's words; those of ``given`` were not fitted.
         relative_force_error: norm(residual)/norm(force), a fraction.
-        cross_validated_error: the same over held-out blocks; None if it was not computed.
         friction_error: norm(residual)/norm(friction); ``missed``: the residual as a share of the force's deviation.
         status: "done", or "stopped" (by Ctrl-C): the values are the best until then.
         candidates: the laws that were compared, and simpler models of the same record.
@@ -264,7 +260,6 @@ class LogFit(Fit):
     data_hash: str
     levels: dict[str, Estimate] = field(default_factory=dict)
     speeds: dict[str, float] = field(default_factory=dict)
-    cross_validated_error: float | None = None
     friction_error: float | None = None
     missed: float | None = None
     notes: Sequence[str] = ()
@@ -280,6 +275,11 @@ class LogFit(Fit):
     nearest_stribeck: dict[str, float] | None = None
     output: Trace | None = None
     relation: tuple[list[str], Array] | None = None
+
+    @property
+    def cross_validated_error(self) -> float | None:
+        """The relative residual over held-out blocks; None if there is no predictor."""
+        return self.predictor.error if self.predictor else None
 
     @property
     def body(self) -> dict[str, Estimate]:

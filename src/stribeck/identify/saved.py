@@ -22,7 +22,7 @@ from stribeck.parameter_sets import read_toml
 from stribeck.scenario.trust import astray
 
 FILE, MACHINE = "fit.json", "machine.toml"
-_FORMAT = 7  # counts the layouts of fit.json
+_FORMAT = 8  # counts the layouts of fit.json
 _LOG, _MACHINE = "log", "machine"
 # -- writing ---------------------------------------------------------------------------------------------------------
 
@@ -120,7 +120,7 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
         seen={n: tuple(ends) for n, ends in data["seen"].items()},
         law_name=data["law"] if ".py:" in data["law"] else law.name, data_hash=data["data_sha256"],
         relative_force_error=float("nan") if known["relative_force_error"] is None else known["relative_force_error"],
-        cross_validated_error=known["cross_validated_error"], friction_error=known["friction_error"],
+        friction_error=known["friction_error"],
         missed=known["missed"], reading=RecordReading(files, **{x.name: data[x.name] for x in fields(RecordReading)[1:]}),
     )  # fmt: skip
 

@@ -99,10 +99,6 @@ def _tables_of_log(fit: LogFit) -> dict[str, object]:
 
 def _row(e: Estimate, used: float | str | None = None) -> Mapping[str, object]:
     """An estimate without what is open or empty; ``used``: its value in a curve, which may differ."""
-    row = {
-        "value": e.value if used is None else used, "low": e.low, "high": e.high,
-        "range": None if e.range is None else list(e.range), "unit": e.unit, "identifiable": e.identifiable,
-        "state": str(e.state), "determined": None if e.usable else False, "depends_on": e.depends_on, "why": e.why,
-        "experiment": e.experiment,
-    }  # fmt: skip
+    row = e.to_dict() | {"range": e.range and list(e.range), "determined": None if e.usable else False}
+    row |= {} if used is None else {"value": used}
     return {key: x for key, x in row.items() if x is not None and x != ""}

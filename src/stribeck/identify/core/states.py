@@ -81,12 +81,12 @@ class Estimate:
         return replace(self, value=value, interval=(low, high), range=(low, high), state=state, why=why)
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data of the file format, with both uncertainties and the state."""
-        reasons = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
+        """Plain data of the file format: the ends of the interval, the range and the state; reasons if there are any."""
+        reasons = {key: x for key in ("depends_on", "why", "experiment") if (x := getattr(self, key))}
+        wide = self.range and [x if np.isfinite(x) else None for x in self.range]
         return {
-            "value": self.value, "low": self.low, "high": self.high, "unit": self.unit, "identifiable": self.identifiable,
-            "estimate": self.value, "interval": _open(self.interval), "range": self.range and _open(self.range),
-            "state": str(self.state), "depends_on": self.depends_on, **reasons,
+            "value": self.value, "low": self.low, "high": self.high, "range": wide, "unit": self.unit,
+            "state": str(self.state), **reasons,
         }  # fmt: skip
 
     def advice(self, name: str) -> str:
@@ -97,22 +97,25 @@ class Estimate:
     @classmethod
     def of_dict(cls, data: Kept) -> Estimate:
         """The estimate from the data of :meth:`to_dict`."""
-        interval, wide = _ends(data["interval"]), data["range"]
         unit, form, why, experiment = (str(data.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
-        value = np.nan if data["estimate"] is None else data["estimate"]
-        state = EstimateState(data["state"])
-        return cls(value, interval, wide and _ends(wide), state, unit, form, why=why, experiment=experiment)
+        value, wide = np.nan if data["value"] is None else data["value"], data["range"]
+        interval = _ends((data["low"], data["high"]))
+        return cls(
+            value,
+            interval,
+            wide and _ends(wide),
+            EstimateState(data["state"]),
+            unit,
+            form,
+            why=why,
+            experiment=experiment,
+        )
 
 
 def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
     """The ends of an interval, infinite for an open end."""
     low, high = pair
     return -np.inf if low is None else low, np.inf if high is None else high
-
-
-def _open(pair: tuple[float, float]) -> list[float | None]:
-    """The ends of an interval, None for an open end."""
-    return [x if np.isfinite(x) else None for x in pair]
 
 
 def ends(value: float, half: float, by_ratio: bool) -> tuple[float, float]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
 from stribeck.identify.data.smoother import encoder_step
@@ -44,11 +43,10 @@ def better(
         StribeckError: there is no static fit, and none of the laws could be simulated.
     """
     fits, failed = list[tuple[str, Simulated]](), dict[str, str]()
-    known = {constant for name in names for constant in laws.find(name).constants()}
     left = np.inf if static is None else _error_everywhere(static, log)
     for i, name in enumerate(names):
         try:
-            fits.append((name, _simulated(log, name, options.of_law(name, known), left, part(progress, i, len(names)))))
+            fits.append((name, _simulated(log, name, options.of_law(name), left, part(progress, i, len(names)))))
         except StribeckError as error:  # cannot be simulated
             if len(names) == 1 and static is None:
                 raise
@@ -98,7 +96,7 @@ def _bic(fit: Simulated) -> float:
 def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
     return {
         "name": name, "law": name, "forms": [], "numbers": len(fit.model.first), "relative_force_error": fit.error,
-        "cross_validated_error": None, "chosen": chosen,
+        "chosen": chosen,
     }  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from stribeck.identify.core.choice import Selection, chosen
 from stribeck.identify.core.forms import OF_RECORD, dependences
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.library import SteadyLibrary
-from stribeck.identify.core.predictor import predictor
+from stribeck.identify.core.predictor import Predictor, predictor
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import steady_curve
@@ -67,8 +67,7 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
         predicting = predictor(choice if same else _chosen(wide, names, body, options), log)
-    fitted = _finished(rows, choice, estimates, unused, options, predicting.error)
-    return replace(fitted, predictor=predicting, log=whole, data_hash=whole.hash)
+    return _finished(whole, rows, choice, estimates, unused, options, predicting)
 
 
 def _filtered_lower(
@@ -107,7 +106,7 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
     """
     given = [n for n in options.numbers if n in TERMS]
     terms = list(dict.fromkeys(["offset", *options.terms]))
-    if options.weight and log.rotary and not {*WEIGHT} & {*terms, *given}:
+    if log.rotary and not {*WEIGHT} & {*terms, *given}:
         terms += WEIGHT
     unused = []
     for column, term in MEASURED.items():
@@ -167,12 +166,13 @@ def check_motion(log: Log) -> None:
 
 
 def _finished(
+    whole: Log,
     rows: Rows,
     choice: Selection[SteadyLibrary],
     judged_estimates: Mapping[str, Estimate],
     unused: Sequence[str],
     options: FitOptions,
-    error: float,
+    predicting: Predictor,
 ) -> LogFit:
     """The fit with all results for a report."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
@@ -189,7 +189,7 @@ def _finished(
         levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
         values=fixed | _used(choice, judged_estimates, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
         relative_force_error=size_ratio(r, lib.record.column(lib.record.log.force)),
-        cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash="",
+        friction_error=friction_error, missed=missed(choice), data_hash=whole.hash, log=whole, predictor=predicting,
         friction=friction, notes=tuple(_notes(choice, estimates, unused, forms, log)), candidates=tuple(_candidates(choice)),
         rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
         nearest_stribeck=nearest_stribeck(choice) or None if of_bends else None,
@@ -263,7 +263,7 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
             is_fit = n == choice.law and alone == choice.alone
             candidates.append({
                 "name": name, "law": lib.curve.law, "forms": list(model[1]), "numbers": len(lib.index(model)),
-                "relative_force_error": error, "cross_validated_error": None, "chosen": is_fit,
+                "relative_force_error": error, "chosen": is_fit,
             })  # fmt: skip
     return candidates
 
@@ -275,7 +275,11 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     v = np.geomspace(max(slow, 1e-3 * fast), fast, 60)
     level = lib.level(choice.model, choice.coefficients, v)
     _, values, left = steady_curve(v, [], level, np.geomspace(v[0], fast, 60))
-    return {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left} if values["F_s"] > values["F_c"] > 0 else {}
+    return (
+        {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left}
+        if values["F_s"] > values["F_c"] > 0
+        else {}
+    )
 
 
 def _notes(
