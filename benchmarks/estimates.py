@@ -28,8 +28,8 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.methods.static import LAWS, fit_static
-from stribeck.identify.models.curves import curve_of
+from stribeck.identify.methods.static import fit_static
+from stribeck.identify.models.curves import LAWS, SteadyCurve
 from stribeck.identify.models.record import record_of, rows_of
 from stribeck.identify.options import FitOptions
 
@@ -45,7 +45,7 @@ FAMILIES = {
 
 def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]]:
     """Every estimate of one law's fit, and the speeds of the levels."""
-    curve = curve_of(law, {})
+    curve = SteadyCurve(law, {}, ())
     choice = chosen([(record_of(rows_of(log), ("offset",), {}), curve)])
     return judged(choice), choice.library.levels
 

@@ -19,7 +19,8 @@ from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
-from stribeck.identify.methods.static import LAWS, check_motion, fit_static
+from stribeck.identify.methods.static import check_motion, fit_static
+from stribeck.identify.models.curves import LAWS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.required import with_requirements
 from stribeck.identify.result import Fit, LogFit, RecordReading

@@ -11,6 +11,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.recordings import Sought, sought_of
 from stribeck.identify.data.quality import LARGEST
+from stribeck.identify.models.curves import LAWS
 from stribeck.identify.models.terms import TERMS, problem
 
 METHODS = ("static", "dynamic")
@@ -67,11 +68,6 @@ class FitOptions:
         return {x.path: x for x in entries}
 
     @cached_property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """The search ranges that the user gives, by name."""
-        return {n: (x.low, x.high) for n, x in self.sought.items()}
-
-    @cached_property
     def numbers(self) -> dict[str, float]:
         """The given constants and terms that are numbers, and the mass."""
         mass = {} if self.mass is None else {"mass": self.mass}
@@ -96,7 +92,7 @@ class FitOptions:
 
     def method_for(self, law: type[laws.Law]) -> str:
         """The method asked for, or what suits the law."""
-        return self.method or ("dynamic" if law.has_z else "static")
+        return self.method or ("static" if law.name in LAWS else "dynamic")
 
     def check(self, names: Sequence[str]) -> None:
         """Refuse what these laws, or one of them, cannot be asked for.
@@ -139,15 +135,14 @@ class FitOptions:
             problems += [
                 f"{arg(n)}: belongs to {arg('method')} static, not {method}" for n, x in only_static.items() if x
             ]
-        elif kind.has_z:
-            text = (
-                f"law '{law}' has bristles, which a static fit cannot estimate; must be a static law, such as stribeck"
-            )
-            problems.append(f"{arg('method')}: 'static': {text}")
+        elif kind.name not in LAWS:
+            problems.append(f"{arg('method')}: 'static': has {', '.join(LAWS)}; law '{law}' is fitted by simulation")
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
             problems += [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]
-            if self.output != "force":
-                problems.append(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
+            only_dynamic = {"output": self.output != "force", "unknown": self.unknown}
+            problems += [
+                f"{arg(n)}: belongs to {arg('method')} dynamic, not {method}" for n, x in only_dynamic.items() if x
+            ]
         if problems:
             raise InputError(problems)

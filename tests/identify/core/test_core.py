@@ -9,7 +9,7 @@ from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
 from stribeck.identify.core.search import library, refine
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.models.curves import curve_of
+from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import record_of, rows_of, shortened
 from stribeck.laws import find
 from tests.identify.core.records import TRUTH, joined, record
@@ -17,7 +17,7 @@ from tests.identify.core.records import TRUTH, joined, record
 
 def choice_of(log, laws=("stribeck",), terms=("offset",), given=None, **asked):
     given = given or {}
-    curves = [curve_of(law, given) for law in laws]
+    curves = [SteadyCurve(law, given, ()) for law in laws]
     record = record_of(rows_of(log), terms, given)
     return chosen([(record, curve) for curve in curves], **asked)
 
@@ -106,32 +106,18 @@ LEVELS = {"F_c": 1.0, "F_s": 1.5, "v_s": 1e-2, "sigma_2": 0.0}
     ("name", "own"),
     [
         ("coulomb_viscous", {"k_v": 300.0}), ("stribeck", {}), ("stribeck", {"k_v": 300.0, "delta": 1.3}),
-        ("stribeck_tanh", {"k_v": 300.0}), ("lugre", {"sigma_0": 1e4, "sigma_1": 10.0}),
+        ("stribeck_tanh", {"k_v": 300.0}),
     ],
 )  # fmt: skip
 def test_a_curve_is_the_steady_force_of_its_law(name, own, given, size):
     values = {n: size * x if n in ("F_c", "F_s") else x for n, x in LEVELS.items() if n in find(name).constants()} | own
-    curve = curve_of(name, {n: values[n] for n in (*given, *own) if n in values})
+    curve = SteadyCurve(name, {n: values[n] for n in (*given, *own) if n in values}, ())
     v, shape = np.array([-0.05, -1e-3, 1e-4, 2e-3, 0.03]), {n: values[n] for n in curve.shapes}
     of = values | {"rise": 0.5 * size}
     known = curve.known(v, shape)
     result = sum(of[n] * x for n, x in curve.columns(v, shape).items()) + (0.0 if known is None else known)
-    steep = {} if "k_v" in own or name == "lugre" else {"k_v": 1e15}  # an exact sign
+    steep = {} if "k_v" in own else {"k_v": 1e15}  # an exact sign
     assert result == pytest.approx(find(name)(values | steep).steady_force(v), rel=1e-5)
-
-
-def test_a_law_s_columns_are_of_the_constants_that_its_steady_force_shows_anywhere(tmp_path):
-    """A law for one direction, whose force is 0 at first; one constant acts at high speeds only, and one nowhere."""
-    (tmp_path / "valve.py").write_text(
-        "from stribeck.constants import Constant\nfrom stribeck.expressions.ops import sqrt, where\n"
-        "from stribeck.laws import Scales, StaticLaw\n\n\nclass Valve(StaticLaw):\n"
-        "    F_c, top, idle = (Constant('N', 'level', above=0, example=1.0) for _ in range(3))\n\n"
-        "    @staticmethod\n    def friction(p, v, z, dz_dt):\n"
-        "        return p.F_c * sqrt(v) * where(v < 1e-4, 0.0, 1.0) + p.top * where(v < 0.05, 0.0, v) + 0 * p.idle\n\n"
-        "    @staticmethod\n    def scales(p):\n        return Scales(1e-4, 1e-2, p.F_c)\n",
-        encoding="utf-8",
-    )
-    assert curve_of(f"{tmp_path / 'valve.py'}:Valve", {}).names == ("F_c", "top")
 
 
 def test_given_constants_are_taken_off_the_force():
@@ -151,7 +137,7 @@ def test_the_law_is_chosen_first():
 
 def test_nodes_at_the_optima_leave_little_of_the_grid_s_error():
     log = record(3, noise=0.0, end=8.0, extra=lambda t, y, v, a: 25.0 * y)
-    lib = library(record_of(rows_of(log), ("offset",), {}), curve_of("stribeck", {}))
+    lib = library(record_of(rows_of(log), ("offset",), {}), SteadyCurve("stribeck", {}, ()))
     before = lib.solve(lib.gram.sum(0))[1].min()
     refine(lib, len(log))
     assert lib.solve(lib.gram.sum(0))[1].min() < 0.5 * before
@@ -161,7 +147,7 @@ def test_nodes_at_the_optima_leave_little_of_the_grid_s_error():
 def test_forms_are_those_about_the_optimum_of_the_law_alone_if_that_is_possible(F_s, possible):
     """Where the level rises with speed, the optimum has F_s below F_c: the best node of the grid takes its place."""
     log = record(3, noise=0.0, end=4.0, F_s=F_s)
-    lib = library(record_of(rows_of(log), ("offset",), {}), curve_of("stribeck", {}))
+    lib = library(record_of(rows_of(log), ("offset",), {}), SteadyCurve("stribeck", {}, ()))
     *grid, v_s = (node["v_s"] for node in lib.nodes)
     assert (v_s in grid) is not possible
     assert v_s == pytest.approx(TRUTH["v_s"], rel=1e-6) or not possible
@@ -175,7 +161,7 @@ def test_the_largest_ripples_within_the_range_are_found_largest_first():
 
 
 def test_slopes_are_taken_about_coefficients_that_are_not_0():
-    assert curve_of("stribeck", {}).anchored([5.0, 0.0]) == {"F_c": 5.0, "rise": 0.5}
+    assert SteadyCurve("stribeck", {}, ()).anchored([5.0, 0.0]) == {"F_c": 5.0, "rise": 0.5}
 
 
 def test_rows_about_reversals_do_not_count_unless_hardly_another_is_left():
@@ -209,7 +195,7 @@ def test_the_prediction_of_another_motion_survives_a_file(extra):
 
 def test_a_form_is_named_in_words():
     """Every form of a record with a position, a load and reversals; another text stays as it is."""
-    lib = library(record_of(rows_of(record(1)), ("offset",), {}), curve_of("stribeck", {}))
+    lib = library(record_of(rows_of(record(1)), ("offset",), {}), SteadyCurve("stribeck", {}, ()))
     for name in {form for k, (form, _) in lib.name.items() if k >= lib.first_form}:
         assert in_words(name) != name, name
     assert in_words("growth 3.0") == "friction that grows with the speed to the power 3"

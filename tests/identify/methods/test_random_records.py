@@ -77,7 +77,7 @@ def test_a_random_record_is_fitted_or_refused_in_words(seed):
 
 
 @pytest.mark.share(2)
-@pytest.mark.parametrize("law", ["coulomb_viscous", "makkar", "stribeck_tanh"])
+@pytest.mark.parametrize("law", ["coulomb_viscous", "stribeck", "stribeck_tanh"])
 def test_units_do_not_change_what_a_fit_comes_to(law):
     """The same record in m and N, and as if it were in other units by 1e-6 and 1e5."""
     rng = np.random.default_rng(3)

@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.core.forms import Anchor, fits, is_bend, steady
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.curves import SPEEDS, SteadyCurve
 from stribeck.identify.models.record import LawColumns, Record
 
 RIDGE = 1e-10  # added to a scaled diagonal of 1: above the rounding of a Gram matrix, below correlations that count
@@ -226,16 +226,16 @@ class SteadyLibrary(ModelLibrary):
         for n, e in estimates.items():
             if e.value < (least := self.curve.least(n)):
                 estimates[n] = e = e.within(least, np.inf)
-            if e.state is EstimateState.IDENTIFIED and n in self.curve.positive and e.value < 0:
+            if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
         return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
-        if name not in self.body or name in self.curve.inertia:
+        if name not in self.body or name in ("mass", "sigma_2"):
             return None, False
         column = self.columns[:, 1 + self.body.index(name)]
-        level = self.curve.coulomb(value, value[LEVELS[-1]])
+        level = value.get("F_c", value[LEVELS[-1]])
         return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
 
     def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
@@ -288,17 +288,14 @@ class SteadyLibrary(ModelLibrary):
     def level(self, model: Model, x: Array, v: Array) -> Array:
         """Friction at steady speeds ``v`` > 0, half the difference between both directions."""
         shape, c = self.shape(model, x), self.coefficients(x)
-        out = self.curve.force(v, shape, c) + self._viscous(c) * v
+        out = self.curve.force(v, shape, c) + c.get("sigma_2", self.record.given.get("sigma_2", 0.0)) * v
         for (form, _), z in self.of_forms(model, x).items():
             out = out + z * steady(form, v, self.at)
         return np.asarray(out)
 
-    def _viscous(self, c: Mapping[str, float]) -> float:
-        return c.get("sigma_2", self.record.given.get("sigma_2", 0.0)) if self.curve.sigma_2 else 0.0
-
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
         """All estimates of a model: the body's, the law's, and the levels at the recorded speeds."""
-        c, u = self.coefficients(x), self.curve.speeds(self.at.fast)
+        c, u = self.coefficients(x), self.at.fast * np.geomspace(1e-3, 1.0, SPEEDS)
         bends = np.zeros(len(u))
         for (form, _), z in self.of_forms(model, x).items():
             if is_bend(form):

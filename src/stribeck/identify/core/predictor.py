@@ -25,7 +25,7 @@ from stribeck.identify.core.search import optimum
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.models.curves import curve_of
+from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import MOST_ROWS, LawColumns, beside_rest, body_columns
 
 FOLDS = 6  # stretches left out in turn
@@ -53,7 +53,7 @@ class Predictor:
         """Friction and the rest of the force along a log; at rest friction is 0."""
         rest = at_rest(log)
         v, curve = log.velocity, self.at.curve
-        columns = body_columns(log, [n for n in self.body if n != "sigma_2"], viscous="sigma_2" in self.body)
+        columns = body_columns(log, list(self.body))
         friction = curve.force(v, self.shape, self.law) + self.body.get("sigma_2", 0.0) * v
         beside = sum((c * columns[n] for n, c in self.body.items() if n != "sigma_2"), np.zeros(len(log)))
         carried = {k: c for k, c in self.forms.items() if not k[0].startswith(OF_RECORD)}
@@ -84,7 +84,7 @@ class Predictor:
 
 def of_json(saved: Kept) -> Predictor:
     """The predictor from fit.json."""
-    curve = curve_of(saved["curve"]["law"], saved["curve"]["given"], saved["curve"]["free"])
+    curve = SteadyCurve(saved["curve"]["law"], saved["curve"]["given"], saved["curve"]["free"])
     lists = {n: tuple(saved["at"][n]) for n in ("speeds", "waves", "level_waves")}
     named = {(form, column): c for form, column, c in saved["forms"]}
     anchor = Anchor(curve, **{**saved["at"], **lists})
@@ -136,7 +136,7 @@ def _candidate(
     keys = list(lib.of_forms(model, x))
     rows = rows[:: max(1, len(rows) // MOST_ROWS)]
     columns = forms(seen, lib.at) if keys else {}
-    body = body_columns(seen, [m for m in (*lib.body, *given) if m != "sigma_2"], curve.sigma_2)
+    body = body_columns(seen, [*lib.body, *given])
     rest = np.column_stack([*(body[m][rows] for m in lib.body), *(columns[k]()[rows] for k in keys)])
     force = seen.force - sum((c * body[m] for m, c in given.items()), np.zeros(len(seen)))
     law = LawColumns(curve, seen.velocity[rows], np.asarray)

@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
 from stribeck.identify.core.forms import Anchor, Key, forms, ripple_range, ripple_waves
 from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLibrary, seen_speeds
 from stribeck.identify.log import INTEGRAL, Log
@@ -31,6 +30,7 @@ HARDLY = 1e-3  # of a column's square: a smaller part independent of the model c
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record
 STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
 COST = 0.04  # fall of the log squared residual per column that pays in the beam: BIC with some 200 independent rows
+ROOM = 3.0  # times the range of a shape that is searched: a step of the grid
 FAINT = 1e-9  # largest value up to which a column counts as 0
 
 
@@ -96,12 +96,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
 
     Args:
         speeds: of further levels.
-
-    Raises:
-        InputError: the law has more shapes than a grid can hold.
     """
-    if len(curve.shapes) not in CELLS:
-        raise InputError(f"{arg('law')}: {curve.law!r}: {', '.join(curve.shapes)}: all but 3 must be given")
     ranges = curve.ranges(record.log.velocity)
     axes = {n: np.geomspace(*ranges[n], c) for n, c in zip(curve.shapes, CELLS[len(curve.shapes)], strict=True)}
     mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
@@ -138,8 +133,7 @@ def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Ar
 def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
     """Whether the optimum of the law alone is possible, and so may define the forms."""
     n = len(curve.names)
-    room = {m: 1 + 1e-9 if m in curve.bounds else 3.0 for m in shape}  # for the user's bounds, only rounding
-    inside = all(ranges[m][0] / room[m] < s < room[m] * ranges[m][1] for m, s in shape.items())
+    inside = all(ranges[m][0] / ROOM < s < ROOM * ranges[m][1] for m, s in shape.items())
     return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
 
 

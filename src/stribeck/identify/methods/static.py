@@ -25,14 +25,13 @@ from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
-from stribeck.identify.models.curves import SteadyCurve, curve_of
+from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import Record, Rows, record_of, rows_of, shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
 from stribeck.identify.work import Progress
 
-LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates if no law is given
 PLAIN = "coulomb_viscous"
 MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term of a measured column in the model
 FOUND = 0.05  # of a column's variance that motion does not explain: its coefficient is then identifiable
@@ -89,14 +88,9 @@ def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitO
 def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
     """A law's columns, and the rows for its comparison."""
     constants = laws.find(name).constants()
-    curve = curve_of(
-        name, {n: x for n, x in options.numbers.items() if n in constants}, [n for n in options.free if n in constants]
-    )
-    curve.bounds = {n: x for n, x in options.bounds.items() if n in constants or n in TERMS}
-    if wrong := [n for n in curve.bounds if n not in curve.shapes]:
-        text = "is estimated by linear least squares, which needs no search range; give a value instead"
-        raise InputError([f"{arg('unknown')}: {n}: {text} ({arg('constants')})" for n in wrong])
-    return record_of(rows, body, options.numbers, curve.sigma_2, options.published), curve
+    given = {n: x for n, x in options.numbers.items() if n in constants}
+    curve = SteadyCurve(name, given, [n for n in options.free if n in constants])
+    return record_of(rows, body, options.numbers, options.published), curve
 
 
 def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:

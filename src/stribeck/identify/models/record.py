@@ -220,18 +220,14 @@ class Record:
         return LawColumns(curve, self.log.velocity, self.column)
 
 
-def body_columns(log: Log, names: Sequence[str], viscous: bool = True) -> dict[str, Array]:
+def body_columns(log: Log, names: Sequence[str]) -> dict[str, Array]:
     """The columns of the body's coefficients: inertia, viscous friction, and terms."""
-    viscous_column = {"sigma_2": log.velocity} if viscous else {}
-    usual = {"mass": log.acceleration} | viscous_column
-    sign = np.sign(log.velocity)
+    usual, sign = {"mass": log.acceleration, "sigma_2": log.velocity}, np.sign(log.velocity)
     further = {n: column(n, log) * (sign if TERMS[n].level else 1.0) for n in names if n not in usual}
     return usual | further
 
 
-def record_of(
-    rows: Rows, terms: Sequence[str], given: Mapping[str, float], viscous: bool = True, all_rows: bool = False
-) -> Record:
+def record_of(rows: Rows, terms: Sequence[str], given: Mapping[str, float], all_rows: bool = False) -> Record:
     """The record that is compared.
 
     Args:
@@ -245,8 +241,8 @@ def record_of(
     counted = moving if all_rows else moving & ~_ringing(log, q)[rows.kept]
     if counted.sum() < LEFT * moving.sum():
         counted = moving
-    held = {n: x for n, x in given.items() if n in TERMS or (n == "sigma_2" and viscous)}
-    columns = body_columns(log, [*terms, *(n for n in held if n not in terms)], viscous)
+    held = {n: x for n, x in given.items() if n in TERMS or n == "sigma_2"}
+    columns = body_columns(log, [*terms, *(n for n in held if n not in terms)])
     force = log.force - sum((x * columns[n] for n, x in held.items()), np.zeros(len(log)))
     at = rows.kept[counted]
     block, file = _blocks(log, at)
