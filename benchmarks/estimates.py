@@ -22,7 +22,6 @@ import static_records as records
 from measure import options, write
 
 from stribeck.identify.api import read_log
-from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.read import ColumnNames
@@ -31,6 +30,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.static import fit_static
 from stribeck.identify.models.curves import LAWS, SteadyCurve
 from stribeck.identify.models.record import record_of, rows_of
+from stribeck.identify.models.steady import chosen
 from stribeck.identify.options import FitOptions
 
 PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, TypedDict
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.predictor import EXPECTED, Predictor
 from stribeck.identify.core.states import Estimate as Estimate
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log, size_ratio, thinned
 from stribeck.identify.models.curves import REACHED
+from stribeck.identify.models.predictor import EXPECTED, Predictor
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 from stribeck.mouth.cells import percent

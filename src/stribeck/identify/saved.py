@@ -15,8 +15,8 @@ from stribeck.constants import path_of, show
 from stribeck.errors import InputError, arg
 from stribeck.files import finite, json_of, seen_from
 from stribeck.identify.actuator.result import LogResult, MachineFit
-from stribeck.identify.core.predictor import of_json
 from stribeck.identify.core.states import Estimate, Kept
+from stribeck.identify.models.predictor import of_json
 from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario.trust import astray

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.core.choice import chosen
-from stribeck.identify.core.forms import in_words, ripple_waves
+from stribeck.identify.core.forms import in_words
 from stribeck.identify.core.judging import judged
-from stribeck.identify.core.predictor import of_json, predictor
-from stribeck.identify.core.search import library, refine
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.over_position import ripple_waves
+from stribeck.identify.models.predictor import of_json, predictor
 from stribeck.identify.models.record import record_of, rows_of, shortened
+from stribeck.identify.models.steady import chosen, library, refine
 from stribeck.laws import find
 from tests.identify.core.records import TRUTH, joined, record
 

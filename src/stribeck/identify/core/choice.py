@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -10,10 +10,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from stribeck.arrays import Array
-from stribeck.identify.core.library import Model, ModelLibrary, SteadyLibrary
-from stribeck.identify.core.search import library, refine
-from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.record import Record
+from stribeck.identify.core.library import Model, ModelLibrary
 
 Of = TypeVar("Of", bound=ModelLibrary)
 
@@ -102,22 +99,3 @@ def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:
         rows = min(rows, len(r) / rows_together(r))
         i = int(np.argmin(lib.scores(sse, rows)))
     return float(rows)
-
-
-def chosen(
-    records: Sequence[tuple[Record, SteadyCurve]], alone: bool = False, speeds: Sequence[float] = ()
-) -> Selection[SteadyLibrary]:
-    """The model of the least BIC among all laws and forms.
-
-    Args:
-        records: each law's columns with the compared rows, the same blocks for all.
-        alone: whether forms are excluded.
-        speeds: further speeds at which levels are estimated.
-    """
-    libraries = [library(record, curve, speeds) for record, curve in records]
-    rows = min(independent(lib, *lib.solve(lib.gram.sum(0))) for lib in libraries)
-    for lib in libraries:
-        refine(lib, rows)
-    out = Selection(libraries, [lib.solve(lib.gram.sum(0))[0] for lib in libraries], rows, alone)
-    out.law, out.index, *_ = out.choose(np.ones(len(libraries[0].gram)))
-    return out

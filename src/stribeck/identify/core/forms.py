@@ -9,17 +9,16 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from scipy.signal import lfilter
 
 from stribeck.arrays import Array
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.over_position import turned
 
 # Of the fastest speed, or of the travel between reversals, by factors of 2: of a bend between two widths
 # these leave 3 %, of a rounded one 7 to 11 %.
@@ -30,9 +29,6 @@ WAVES = 3  # a line and two cosines over a record's length: of warming up over a
 OF_RECORD = ("drift", "level by time", "filter")
 LOADED = "load and weight"  # friction that grows with inertial force, offset and weight
 BENDS_BELOW = 0.35  # of v_s: half of such a bend is what the law's own curve cannot do, of a wider one less
-_CELLS = 8  # of the shortest wave, into which the way is cut: they take 3 % of its amplitude away
-_MOST_CELLS = 1 << 17  # a transform of so many takes some milliseconds
-_FINER = 4  # points of the spectrum within the width of a peak: its top lies 3 % below the true one at most
 _WORDS = {  # by the first words of a form's name; {}: its number
     "bend": "a friction peak below {:.3g} % of the top speed", "pointed": "a Stribeck curve of exponent 1",
     "uneven bend": "a friction peak below {:.3g} % of the top speed that differs by direction",
@@ -220,7 +216,7 @@ def _rate(log: Log, x: Array) -> Array:
 
 
 def _turned(log: Log, way: float) -> Array:
-    return _direction(log, way) - np.sign(log.velocity)
+    return turned(log, way) - np.sign(log.velocity)
 
 
 def _lagging(log: Log, x: Array, time: float) -> Array:
@@ -228,61 +224,3 @@ def _lagging(log: Log, x: Array, time: float) -> Array:
     for run in log.runs():
         out[run] = lfilter([1 - keep], [1, -keep], x[run], zi=[keep * x[run][0]])[0]
     return out - x
-
-
-def _direction(log: Log, way: float) -> Array:
-    """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.
-
-    Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two
-    reversals of the position it is known in closed form, so that only these are gone through one by one.
-    """
-    share = np.empty(len(log))
-    for run in log.runs():
-        y = log.position[run]
-        turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
-        first = np.concatenate([[0], turns])
-        at = y[first].tolist()
-        state = [_at_start(float(log.velocity[run.start]), float(log.acceleration[run.start]), way)]
-        for before, now in pairwise(at):
-            state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
-        part = np.searchsorted(turns, np.arange(len(y)), side="right")
-        share[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
-    return share
-
-
-def _at_start(v: float, a: float, way: float) -> float:
-    """The state in which a run begins: a body that speeds up came back a while ago, by its acceleration v^2/(2 a) before."""
-    since = 0.5 * v * v / abs(a) if v * a > 0 else way
-    return float(np.sign(v)) * min(2 * since / way - 1, 1.0)
-
-
-# -- ripples of the force over the position ----------------------------------------------------------------------------------
-
-
-def ripple_range(log: Log, q: int) -> tuple[float, float] | None:
-    """The fewest and the most waves (1/m) that a record, of which one row in ``q`` is compared, can show; None for none."""
-    way, usual = float(np.ptp(log.position)), float(np.median(abs(log.velocity)))
-    if not (way > 0 and usual > 0 and log.step):
-        return None
-    low = 2 * np.pi / way  # less than one wave on the way determines none
-    high = min(2 * np.pi * HIGHEST / (q * log.step * usual), 2 * np.pi * _MOST_CELLS / (_CELLS * way))
-    return (low, high) if high > 2 * low else None
-
-
-def ripple_waves(position: Array, left: Array, low: float, high: float, most: int) -> list[float]:
-    """The waves, at most so many, of which a residual holds most, the largest first.
-
-    The residual is summed up in cells of the way, whose spectrum, by a fast Fourier transform, is that of the rows.
-    """
-    way = float(np.ptp(position))
-    cells = max(int(np.ceil(_CELLS * high * way / (2 * np.pi))), 1)
-    where = np.minimum((cells * (position - position.min()) / way).astype(np.intp), cells - 1)
-    count = _FINER * cells
-    power = abs(np.fft.rfft(np.bincount(where, left - left.mean(), cells), count))
-    waves = 2 * np.pi * np.arange(len(power)) * cells / (count * way)
-    power = np.where((waves >= low) & (waves <= high), power, 0.0)
-    wave_numbers: list[float] = []
-    while len(wave_numbers) < most and power.any():
-        wave_numbers.append(float(waves[int(np.argmax(power))]))
-        power[abs(waves - wave_numbers[-1]) < 4 * np.pi / way] = 0.0
-    return wave_numbers

@@ -15,18 +15,18 @@ from threadpoolctl import threadpool_limits
 from stribeck import laws
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
-from stribeck.identify.core.choice import Selection, chosen
+from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.forms import OF_RECORD, dependences
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
-from stribeck.identify.core.library import SteadyLibrary
-from stribeck.identify.core.predictor import Predictor, predictor
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.predictor import Predictor, predictor
 from stribeck.identify.models.record import Record, Rows, record_of, rows_of, shortened
+from stribeck.identify.models.steady import SteadyLibrary, chosen
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units

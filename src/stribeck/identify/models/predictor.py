@@ -20,13 +20,12 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.forms import OF_RECORD, Anchor, Key, forms
-from stribeck.identify.core.library import SteadyLibrary
-from stribeck.identify.core.search import optimum
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import MOST_ROWS, LawColumns, beside_rest, body_columns
+from stribeck.identify.models.steady import SteadyLibrary, optimum
 
 FOLDS = 6  # stretches left out in turn
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records

@@ -1,0 +1,402 @@
+"""Models of a steady law on one record: their columns, the search of the shapes' optima, and the choice among laws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.core.choice import Selection, independent
+from stribeck.identify.core.forms import Anchor, Key, fits, forms, is_bend, steady
+from stribeck.identify.core.library import CELL, LARGEST, LEVELS, STEEP, Model, ModelLibrary, seen_speeds
+from stribeck.identify.core.search import search
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.log import INTEGRAL
+from stribeck.identify.models.curves import SPEEDS, SteadyCurve
+from stribeck.identify.models.over_position import ripple_range, ripple_waves, travel
+from stribeck.identify.models.record import LawColumns, Record
+
+ASKED = "level at {:.4g}"  # at a speed given by the user
+# Nodes of the grid by the number of shapes: factors of 1.5 to 3 apart, where a slope still holds.
+CELLS = {0: (), 1: (16,), 2: (9, 6), 3: (5, 4, 4)}
+STEPS = 8  # Gauss-Newton steps at most: near an optimum each step squares the distance that is left
+REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tried there, as ranks change at an optimum
+RANK = 1e-9  # share of the largest singular value below which a direction of the columns counts as 0
+SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: a step that fails at a twentieth ends the search
+LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
+SHOWN = 0.05  # of a bend's height: the least that must occur in the record
+STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
+ROOM = 3.0  # times the range of a shape that is searched: a step of the grid
+FAINT = 1e-9  # largest value up to which a column counts as 0
+
+
+@dataclass(kw_only=True)
+class SteadyLibrary(ModelLibrary):
+    """Models of a steady law. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
+
+    Attributes:
+        nodes: shapes of the law; each has ``k`` columns: the law's, then its slopes by the logarithm of each shape.
+        size, name: the rms of each form's column before it was scaled, and its key.
+        step: of the grid, by shape, in logarithms.
+    """
+
+    record: Record
+    law: LawColumns
+    at: Anchor
+    size: dict[int, float]
+    name: dict[int, tuple[str, str]]
+    step: list[float]
+    nodes: list[dict[str, float]] = field(default_factory=list)
+
+    @property
+    def curve(self) -> SteadyCurve:
+        """The law's columns."""
+        return self.at.curve
+
+    @property
+    def levels(self) -> dict[str, float]:
+        """The speeds of the levels, by name."""
+        names = [*LEVELS, *(ASKED.format(v) for v in self.at.speeds[len(LEVELS) :])]
+        return dict(zip(names, self.at.speeds, strict=True))
+
+    @property
+    def k(self) -> int:
+        """Columns of a node."""
+        return len(self.curve.names) + len(self.step)
+
+    @property
+    def body(self) -> list[str]:
+        """The names of the body's columns."""
+        return list(self.record.body)
+
+    @property
+    def first_form(self) -> int:
+        """The index of the first form's coefficient in a model."""
+        return self.k + len(self.body)
+
+    @property
+    def files(self) -> Array:
+        """The file of each block."""
+        return np.array([self.record.file[self.record.block == b][0] for b in range(len(self.gram))])
+
+    @property
+    def beside(self) -> list[int]:
+        """The body's columns."""
+        return list(range(1, 1 + len(self.body)))
+
+    @property
+    def by_ratio(self) -> frozenset[str]:
+        """The law's shapes."""
+        return frozenset(self.curve.shapes)
+
+    def allowed(self, form: str) -> Array:
+        """Whether a form differs from the law's own curve at each node."""
+        return fits(form, self.nodes, self.at.fast)
+
+    def largest_hidden(self, form: str) -> float:
+        """A share of the force's standard deviation, which a constant preload does not enlarge."""
+        return LARGEST * self.deviation
+
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
+        """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
+
+        A mass below 0 is reported as it is, but never identified.
+        """
+        for n, e in estimates.items():
+            if e.value < (least := self.curve.least(n)):
+                estimates[n] = e = e.within(least, np.inf)
+            if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
+                estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
+        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0])
+
+    def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
+        """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
+        if name not in self.body or name in ("mass", "sigma_2"):
+            return None, False
+        column = self.columns[:, 1 + self.body.index(name)]
+        level = value.get("F_c", value[LEVELS[-1]])
+        return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
+
+    def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
+        """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
+        blocks, place = [], self.columns.shape[1]
+        for shape, height in zip(shapes, heights, strict=True):
+            columns, known = self.law.with_slopes(shape, height), self.law.known(shape)
+            self.targets.append(0 if known is None else place + columns.shape[1])
+            self.starts.append(place)
+            level = max((x * x for x in height.values()), default=1.0)
+            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
+            blocks.append(columns if known is None else np.column_stack([columns, self.columns[:, 0] - known]))
+            place += blocks[-1].shape[1]
+        new = np.column_stack(blocks)
+        both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
+        side = np.array([both[block == b].T @ new[block == b] for b in range(block.max() + 1)])
+        gram = np.empty((len(side), both.shape[1], both.shape[1]))
+        gram[:, :p, :p], gram[:, :, p:], gram[:, p:, :p] = self.gram, side, np.swapaxes(side, 1, 2)[:, :, :p]
+        self.columns, self.gram = both, gram
+        self.nodes += [dict(s) for s in shapes]
+
+    def fault(self, x: Array) -> Array:
+        """A penalty factor on the squared residual for negative levels or masses, and for steps out of the grid's cell."""
+        n = len(self.curve.names)
+        named = dict(zip((*self.curve.names, *[""] * len(self.step), *self.body), x.T, strict=False))
+        out = self.curve.fault(named, self.at.fast, self.largest)
+        for j, step in enumerate(self.step):
+            out = np.where(abs(x[:, n + j]) > CELL * step, out * STEEP, out)
+        return out
+
+    def shape(self, model: Model, x: Array) -> dict[str, float]:
+        """The shapes of a model: its node's, moved by the coefficients of the slopes."""
+        n = len(self.curve.names)
+        moved = enumerate(self.nodes[model[0]].items())
+        return {m: s * float(np.exp(np.clip(x[n + j], -2, 2))) for j, (m, s) in moved}
+
+    def coefficients(self, x: Array) -> dict[str, float]:
+        """The coefficients of the law and of the body, by name."""
+        names = [*self.curve.names, *self.body]
+        return dict(
+            zip(names, [*x[: len(self.curve.names)].tolist(), *x[self.k : self.first_form].tolist()], strict=True)
+        )
+
+    def of_forms(self, model: Model, x: Array) -> dict[tuple[str, str], float]:
+        """The coefficients of a model's forms, by their columns."""
+        i = self.index(model)
+        there = zip(i[self.first_form :], x[self.first_form : len(i)].tolist(), strict=True)
+        return {self.name[j]: z / self.size[j] for j, z in there}
+
+    def level(self, model: Model, x: Array, v: Array) -> Array:
+        """Friction at steady speeds ``v`` > 0, half the difference between both directions."""
+        shape, c = self.shape(model, x), self.coefficients(x)
+        out = self.curve.force(v, shape, c) + c.get("sigma_2", self.record.given.get("sigma_2", 0.0)) * v
+        for (form, _), z in self.of_forms(model, x).items():
+            out = out + z * steady(form, v, self.at)
+        return np.asarray(out)
+
+    def parameters(self, model: Model, x: Array) -> dict[str, float]:
+        """All estimates of a model: the body's, the law's, and the levels at the recorded speeds."""
+        c, u = self.coefficients(x), self.at.fast * np.geomspace(1e-3, 1.0, SPEEDS)
+        bends = np.zeros(len(u))
+        for (form, _), z in self.of_forms(model, x).items():
+            if is_bend(form):
+                bends = bends + z * steady(form, u, self.at, rigid=True)
+        of_curve = {n: c[n] for n in self.curve.names}
+        out = {n: c[n] for n in self.body} | self.curve.constants(of_curve, self.shape(model, x), bends, u)
+        return out | dict(
+            zip(self.levels, self.level(model, x, np.array(list(self.levels.values()))).tolist(), strict=True)
+        )
+
+
+def optimum(
+    law: LawColumns, shape: Mapping[str, float], rest: Array, force: Array
+) -> tuple[dict[str, float], Array, float]:
+    """Optimize the shapes by Gauss-Newton steps, with linear coefficients eliminated. Steps that fail are shortened.
+
+    Args:
+        rest: the columns besides the law's.
+
+    Returns:
+        Shapes, coefficients (the law's, then those of ``rest``), squared residual.
+    """
+    size = _sizes(rest)
+    basis, spread, back = np.linalg.svd(rest / size, full_matrices=False)
+    there = spread > RANK * spread.max(initial=0.0)
+    basis, back = basis[:, there], back[there] / spread[there, None]
+
+    def beside(a: Array) -> Array:
+        return np.asarray(a - basis @ (basis.T @ a))
+
+    def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
+        """The law's coefficients and the squared residual, with the coefficients of ``rest`` eliminated."""
+        d = _sizes(columns)
+        left, target = beside(columns / d), beside(_target(law, at, force))
+        left[:, _sizes(left) < RANK] = 0.0  # in the span of the others
+        x = np.linalg.lstsq(left, target, rcond=RANK)[0] if len(d) else np.zeros(0)
+        r = target - left @ x
+        return x / d, float(r @ r)
+
+    n, shape = len(law.curve.names), dict(shape)
+    x, sse = solved(law.at(shape), shape)
+    for _ in range(STEPS if shape else 0):
+        height = dict(zip(law.curve.names, x.tolist(), strict=False))
+        z, _ = solved(law.with_slopes(shape, height), shape)
+        step, before = np.clip(z[n : n + len(shape)], -1.0, 1.0), sse
+        for part in SHORTER:
+            other = {m: s * float(np.exp(part * e)) for (m, s), e in zip(shape.items(), step.tolist(), strict=True)}
+            y, remaining = solved(law.at(other), other)
+            if remaining < sse:
+                shape, x, sse = other, y, remaining
+                break
+        if sse > before * (1 - LITTLE):
+            break
+    further = back.T @ (basis.T @ (_target(law, shape, force) - law.at(shape) @ x)) / size
+    return shape, np.concatenate([x, further]), sse
+
+
+def _sizes(columns: Array) -> Array:
+    """The norm of each column."""
+    return np.asarray(np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300))
+
+
+def _target(law: LawColumns, shape: Mapping[str, float], force: Array) -> Array:
+    """The force less that of the law's given constants."""
+    known = law.known(shape)
+    return force if known is None else force - known
+
+
+def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> SteadyLibrary:
+    """All columns, their Gram matrices, and the models of a beam search.
+
+    Args:
+        speeds: of further levels.
+    """
+    ranges = curve.ranges(record.log.velocity)
+    axes = {n: np.geomspace(*ranges[n], c) for n, c in zip(curve.shapes, CELLS[len(curve.shapes)], strict=True)}
+    mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
+    shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
+    body = np.column_stack(list(record.body.values()))
+    best, at_nodes = shapes[0], []
+    least, law = np.inf, record.of(curve)
+    for shape in shapes:
+        x, sse = _plain(record, law, shape, body)
+        at_nodes.append(x)
+        if sse < least:
+            least, best = sse, shape
+    shape, x, _ = optimum(law, best, body, record.force)
+    if not _sound(curve, shape, x, ranges):
+        shape, x = best, at_nodes[shapes.index(best)]
+    at = anchor(record, law, shape, x, body, speeds)
+    out = _with_forms(record, law, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
+    n = len(curve.names)
+    out.add([*shapes, shape], [curve.anchored(c[:n].tolist()) for c in (*at_nodes, x)])
+    search(out)
+    return out
+
+
+def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
+    """Coefficients of the law alone, and the squared residual with a penalty for impossible coefficients."""
+    curve, a, target = law.curve, np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
+    x = np.linalg.lstsq(a, target, rcond=RANK)[0]
+    r = target - a @ x
+    coefficients = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
+    fault = float(curve.fault(coefficients, 0.0, float(np.max(abs(record.force))))[0]) if coefficients else 1.0
+    return np.asarray(x, float), float(r @ r) * fault
+
+
+def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether the optimum of the law alone is possible, and so may define the forms."""
+    n = len(curve.names)
+    inside = all(ranges[m][0] / ROOM < s < ROOM * ranges[m][1] for m, s in shape.items())
+    return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
+
+
+def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
+    """The library without nodes: force, body, and all forms that vary in the record and are not in the body."""
+    form_columns: list[Array] = []
+    groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
+    whole = {key: record.column(column()) for key, column in forms(record.log, at).items()}
+    held = {key[0] for key, c in whole.items() if _in_body(c, body)}
+    for key, column in whole.items():
+        largest = np.max(abs(column))
+        if largest <= FAINT or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
+            continue
+        groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(form_columns))
+        size[i], name[i] = float(np.sqrt(np.mean(column**2))), key
+        form_columns.append(column / size[i])
+    columns = np.column_stack([record.force, body, *form_columns])
+    block = record.block
+    gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
+    natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(form_columns)]
+    return SteadyLibrary(
+        record=record,
+        law=law,
+        at=at,
+        groups=groups,
+        size=size,
+        name=name,
+        columns=columns,
+        gram=gram,
+        step=step,
+        natural=natural,
+    )
+
+
+def _in_body(column: Array, body: Array) -> bool:
+    """Whether a form equals one of the body's columns, which the user chose."""
+    size = float(column @ column)
+    return any(size * float(b @ b) * (1 - FAINT) < float(column @ b) ** 2 for b in body.T)
+
+
+def anchor(
+    record: Record, law: LawColumns, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
+) -> Anchor:
+    """The constants of the forms' columns from a fit of the law alone, and the ripples in its residual."""
+    curve, log, v, n = law.curve, record.log, record.log.velocity, len(law.curve.names)
+    coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
+    fast = float(np.max(abs(v)))
+    seen = seen_speeds(abs(v[record.at]))
+    columns, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
+    turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
+    offset = coefficients.get("offset", 0.0)
+    y, carried = record.column(log.position), {"": offset}
+    if placed and "offset" in record.body:  # the offset, and a weight by position
+        a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
+        z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
+        carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
+    at = Anchor(curve, shape, coefficients, fast, travel(log), log.step, turns, placed, (*seen, *speeds), carried)
+    if (between := ripple_range(log, record.q)) is None:
+        return at
+    residual, side = target - columns @ x, np.sign(record.column(v))
+    of_level = tuple(ripple_waves(y, residual * side, *between, 1))
+    return replace(at, waves=tuple(ripple_waves(y, residual, *between, 2)), level_waves=of_level)
+
+
+def refine(lib: SteadyLibrary, rows: float) -> None:
+    """Add nodes at the optima of the best sets of forms and of the law alone. The next best sets are tried there too.
+
+    Without these nodes, forms would compensate the grid's error.
+    """
+    if not lib.step:
+        return
+    x, sse = lib.solve(lib.gram.sum(0))
+    order = np.argsort(lib.scores(sse, rows)).tolist()
+    sets: dict[frozenset[str], Model] = {}
+    for i in order:
+        sets.setdefault(frozenset(lib.models[i][1]), lib.models[i])
+    ranked = list(sets.values())
+    alone = [m for m in ranked[REFINED:] if not m[1]]
+    at = {lib.models[i]: i for i in order}
+    shapes, heights, models = list[dict[str, float]](), list[dict[str, float]](), list[Model]()
+    n = len(lib.curve.names)
+    for model in (*ranked[:REFINED], *alone):
+        rest = lib.columns[:, lib.index(model)[lib.k :]]
+        shape, y, _ = optimum(lib.law, lib.shape(model, x[at[model]]), rest, lib.columns[:, 0])
+        if not lib.curve.possible(y[:n].tolist(), lib.largest):
+            continue
+        with_ = ranked[:REFINED_WITH] if model not in alone else [model]
+        models += [(len(lib.nodes) + len(shapes), m[1]) for m in with_]
+        shapes.append(shape)
+        heights.append(lib.curve.anchored(y[:n].tolist(), STEEPNESS))
+    if shapes:
+        lib.add(shapes, heights)
+        lib.keep([*lib.models, *models])
+
+
+def chosen(
+    records: Sequence[tuple[Record, SteadyCurve]], alone: bool = False, speeds: Sequence[float] = ()
+) -> Selection[SteadyLibrary]:
+    """The model of the least BIC among all laws and forms.
+
+    Args:
+        records: each law's columns with the compared rows, the same blocks for all.
+        alone: whether forms are excluded.
+        speeds: further speeds at which levels are estimated.
+    """
+    libraries = [library(record, curve, speeds) for record, curve in records]
+    rows = min(independent(lib, *lib.solve(lib.gram.sum(0))) for lib in libraries)
+    for lib in libraries:
+        refine(lib, rows)
+    out = Selection(libraries, [lib.solve(lib.gram.sum(0))[0] for lib in libraries], rows, alone)
+    out.law, out.index, *_ = out.choose(np.ones(len(libraries[0].gram)))
+    return out
