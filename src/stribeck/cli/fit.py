@@ -36,7 +36,7 @@ class How:
         setting(
             "--method",
             "METHOD",
-            "static or dynamic (by simulation); dynamic for laws with bristles unless given.",
+            "static, or dynamic (by simulation, any law); static for coulomb_viscous, stribeck and stribeck_tanh unless given.",
             ADVANCED,
         ),
     ] = None

@@ -55,7 +55,8 @@ def fit(
         units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
         force_gain: force per unit of the force column; a number, or the name of a constant in the file.
         mass: mass, kg (rotary: kg m^2); fitted unless given.
-        method: "static" or "dynamic" (by simulation); static for laws without bristles, dynamic for others unless given.
+        method: "static" (coulomb_viscous, stribeck, stribeck_tanh) or "dynamic" (by simulation, any law); static unless
+            given where the law can be.
         constants: given constants of the law (``k_v`` or any other), and given terms.
         free: constants with a default that are fitted too (``k_v``).
         terms: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
@@ -67,8 +68,7 @@ def fit(
         output: signal that the simulation must match: "force" along the measured motion, or "velocity" or "position" under
             the measured force (dynamic; one law). A controller in the loop is a machine (``logs``).
         unknown: what is known of fitted numbers, by name: (low, high), or a table of low, high, start and prior as in
-            LOGS.toml. A static fit takes low and high of what bends the law's curve (v_s, k_v): the rest has one optimum.
-            With ``logs`` further unknowns, by path.
+            LOGS.toml (dynamic). With ``logs`` further unknowns, by path.
         require: half widths that numbers must be known within, as shares of them (``{"F_c": 0.05}``): a number is identified
             if its model range is as narrow; the first notes say what is missing, and what to measure.
         progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
@@ -112,10 +112,7 @@ def _fit_read(
     if progress is not None:
         progress(_READ)
         rest = lambda share: progress(_READ + (1 - _READ) * share)  # noqa: E731
-    reading = RecordReading(
-        files_of(data), named.names, named.units, named.force_gain, how.cutoff, how.published,
-        how.simulated,
-    )  # fmt: skip
+    reading = RecordReading(files_of(data), named, how)
     return with_requirements(replace(fit_log(log, names, options, rest), reading=reading), options.require)
 
 

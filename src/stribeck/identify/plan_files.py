@@ -19,17 +19,6 @@ from stribeck.files import write_text
 from stribeck.identify.plan import SMALLEST, Limits, Test, motion, program
 from stribeck.identify.synthetic import LABEL, Experiment, Sensors, experiment
 
-HEAD = (
-    "test",
-    "kind",
-    "control",
-    "amplitude_m",
-    "speed_m_per_s",
-    "force_rate_N_per_s",
-    "duration_s",
-    "repeats",
-    "identifies",
-)
 # The files of a synthetic rig, and how each begins.
 SYNTHETIC = {"synthetic_log.csv": "time,position,force\n", "synthetic_truth.toml": f'title = "{LABEL}'}
 STEP = 1e-3  # s, of the motions to play and of the synthetic log
@@ -38,14 +27,19 @@ _NOISE = 0.01  # of F_c
 
 
 def table(tests: Sequence[Test]) -> str:
-    """The tests as CSV text, a row each under :data:`HEAD`."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(HEAD)
+    """The tests as CSV text, a row each."""
+    text, rows = io.StringIO(), list[dict[str, object]]()
     for i, test in enumerate(tests, start=1):
-        numbers = (test.amplitude, test.speed, test.force_rate, test.duration)
-        cells = ["" if x is None else f"{x:.4g}" for x in numbers]
-        rows.writerow([i, test.kind, test.control, *cells, test.repeats, test.identifies])
+        numbers = {
+            "amplitude_m": test.amplitude, "speed_m_per_s": test.speed, "force_rate_N_per_s": test.force_rate,
+            "duration_s": test.duration,
+        }  # fmt: skip
+        cells = {name: "" if x is None else f"{x:.4g}" for name, x in numbers.items()}
+        about = {"test": i, "kind": test.kind, "control": test.control}
+        rows.append({**about, **cells, "repeats": test.repeats, "identifies": test.identifies})
+    file = csv.DictWriter(text, rows[0], lineterminator="\n")
+    file.writeheader()
+    file.writerows(rows)
     return text.getvalue()
 
 

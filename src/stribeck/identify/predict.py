@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,6 @@ from stribeck.identify import api
 from stribeck.identify.actuator.result import Trace
 from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.core.judging import EXPLAINED
-from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log, size_ratio
@@ -131,16 +130,11 @@ def predict(
     if isinstance(data, Log):
         return force_along(model, data)
     kept = model.reading
-    how = Preparation(kept.cutoff if cutoff is None else cutoff, kept.simulated, kept.published)
-    log = api.read_log(data, _columns(kept, names), how)
+    how = kept.how if cutoff is None else replace(kept.how, cutoff=cutoff)
+    as_fitted = names.over(kept.named)
+    units = {n: u for n, u in as_fitted.units.items() if n in names.units or n in as_fitted.names.values()}
+    log = api.read_log(data, replace(as_fitted, units=units), how)
     return force_along(model, log, RecordReading(api.files_of(data)).title)
-
-
-def _columns(kept: RecordReading, given: ColumnNames) -> ColumnNames:
-    """The columns as in the fit, unless given."""
-    names = {**kept.columns, **given.names}
-    units = {n: u for n, u in kept.units.items() if n in names.values()}
-    return given.over(ColumnNames(names, units, kept.force_gain))
 
 
 def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:

@@ -29,38 +29,28 @@ def with_requirements(fit: Kind, require: Mapping[str, float]) -> Kind:
     Raises:
         InputError: the fit has no such number.
     """
-    judged, notes = fit.parameters, list[str]()
-    for path, share in _paths(fit, require).items():
+    judged, wrong = fit.parameters, list[str]()
+    notes: list[str] = []
+    for name, share in require.items():
+        try:
+            path = fit.path_of(name)
+        except KeyError as error:
+            wrong.append(f"{arg('require')}: {error.args[0]}")
+            continue
         e = _judged(fit[path], share)
         if e.state is not EstimateState.IDENTIFIED:
             e = replace(e, experiment=e.experiment or _experiment(fit, path))
             notes.append(_note(path, e, share))
         judged[path] = e
+    if wrong:
+        raise InputError(wrong)
     estimates, levels = ({n: judged[n] for n in part} for part in (fit.estimates, fit.levels))
-    notes += fit.notes
-    return replace(fit, estimates=estimates, levels=levels, notes=notes)
+    return replace(fit, estimates=estimates, levels=levels, notes=[*notes, *fit.notes])
 
 
 def unmet(fit: Fit, require: Mapping[str, float]) -> bool:
     """Whether something that is required is not reached."""
     return any(fit[name].state is not EstimateState.IDENTIFIED for name in require)
-
-
-def _paths(fit: Fit, require: Mapping[str, float]) -> dict[str, float]:
-    """The required precision, by full paths of parameters.
-
-    Raises:
-        InputError: the fit has no such number; a line for each.
-    """
-    shares, wrong = dict[str, float](), list[str]()
-    for name, share in require.items():
-        try:
-            shares[fit.path_of(name)] = share
-        except KeyError as error:
-            wrong.append(f"{arg('require')}: {error.args[0]}")
-    if wrong:
-        raise InputError(wrong)
-    return shares
 
 
 def half_width(ends: tuple[float, float] | None, value: float) -> float:
@@ -72,13 +62,12 @@ def half_width(ends: tuple[float, float] | None, value: float) -> float:
 
 def _judged(e: Estimate, share: float) -> Estimate:
     """The state by the required width instead of a factor of two. Bounds, and numbers that are not identifiable, stay so."""
-    if not e.identifiable or e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
+    if e.state not in (EstimateState.IDENTIFIED, EstimateState.MODEL_DEPENDENT):
         return e
     if half_width(e.interval, e.value) > share:
         return replace(e, state=EstimateState.NOT_IDENTIFIABLE)
-    if e.range is not None and half_width(e.range, e.value) > share:
-        return replace(e, state=EstimateState.MODEL_DEPENDENT)
-    return e
+    wide = half_width(e.range or e.interval, e.value) > share
+    return replace(e, state=EstimateState.MODEL_DEPENDENT) if wide else e
 
 
 def _experiment(fit: Fit, name: str) -> str:

@@ -13,6 +13,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.states import Estimate as Estimate
 from stribeck.identify.core.states import EstimateState
+from stribeck.identify.data.prepare import Preparation
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log, size_ratio, thinned
@@ -45,22 +47,11 @@ class Candidate(TypedDict):
 
 @dataclass(frozen=True)
 class RecordReading:
-    """The preparation of a log.
-
-    Attributes:
-        files: the record's, if it is from files.
-        columns, units, force_gain, cutoff: as the user gave them.
-        published: whether the record's last rows were kept, as in the published procedure.
-        simulated: whether the motion was filtered for a simulation, with a higher cut-off.
-    """
+    """How a log was read: its files, if it is from files, what the user said of its columns, and the preparation."""
 
     files: tuple[str, ...] = ()
-    columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    force_gain: float | str | None = None
-    cutoff: float | None = None
-    published: bool = False
-    simulated: bool = False
+    named: ColumnNames = field(default_factory=ColumnNames)
+    how: Preparation = field(default_factory=Preparation)
 
     @property
     def title(self) -> str:

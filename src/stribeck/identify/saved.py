@@ -6,7 +6,7 @@ The file is a result, not an input. A digest of its content shows every change. 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from stribeck.errors import InputError, arg
 from stribeck.files import finite, json_of, seen_from
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.core.states import Estimate, Kept
+from stribeck.identify.data.prepare import Preparation
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.models.predictor import of_json
 from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.parameter_sets import read_toml
@@ -57,7 +59,7 @@ def _of_log(fit: LogFit, folder: Path) -> dict[str, object]:
         "law": fit.law_name, "method": fit.method, "values": fit.values, "given": list(fit.given), "levels": fit.speeds,
         "predictor": fit.predictor.to_json() if fit.predictor else None,
         "candidates": [dict(c) for c in fit.candidates], "fit": fit.known, "seen": fit.seen,
-        "data_sha256": fit.data_hash, **asdict(fit.reading),
+        "data_sha256": fit.data_hash, "named": asdict(fit.reading.named), "how": asdict(fit.reading.how),
         "files": [seen_from(folder, Path(name)) for name in fit.reading.files],
     }  # fmt: skip
 
@@ -121,7 +123,7 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
         law_name=data["law"] if ".py:" in data["law"] else law.name, data_hash=data["data_sha256"],
         relative_force_error=float("nan") if known["relative_force_error"] is None else known["relative_force_error"],
         friction_error=known["friction_error"],
-        missed=known["missed"], reading=RecordReading(files, **{x.name: data[x.name] for x in fields(RecordReading)[1:]}),
+        missed=known["missed"], reading=RecordReading(files, ColumnNames(**data["named"]), Preparation(**data["how"])),
     )  # fmt: skip
 
 

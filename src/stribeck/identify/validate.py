@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypedDict
+from typing import Any
 
 import numpy as np
 
@@ -20,16 +20,6 @@ from stribeck.simulation import simulate
 from stribeck.waveforms.piecewise import FileSignal
 
 _COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
-
-
-class Misfit(TypedDict):
-    """What is left between measured and simulated: root mean square and largest in ``unit``, and the former as a share of
-    what was measured."""
-
-    unit: str
-    rms: float
-    largest: float
-    relative: float | None
 
 
 @dataclass(frozen=True)
@@ -53,9 +43,15 @@ class Validated(Told):
         return len(self.traces[0].t)
 
     @property
-    def errors(self) -> dict[str, Misfit]:
-        """By what was measured: RMS and largest difference, and RMS over that of the measured trace about its mean."""
-        return {x.column: _misfit(x) for x in self.traces}
+    def errors(self) -> dict[str, dict[str, Any]]:
+        """By what was measured: RMS and largest difference in ``unit``, and RMS relative to the changes of what was measured."""
+        return {
+            x.column: {
+                "unit": x.unit, "rms": x.rms, "largest": float(np.max(abs(x.measured - x.predicted), initial=0.0)),
+                "relative": x.relative if np.isfinite(x.relative) else None,
+            }
+            for x in self.traces
+        }  # fmt: skip
 
     @property
     def success(self) -> bool:
@@ -125,12 +121,6 @@ def validate(
         simulated = np.interp(time[reached], solution.t, solution[name])
         traces.append(Trace(role, unit, time[reached], raw[role][reached], simulated))
     return Validated(solution.status, solution.reason, traces, f"{scenario.name} against {data.name}")
-
-
-def _misfit(x: Trace) -> Misfit:
-    largest = float(np.max(abs(x.measured - x.predicted), initial=0.0))
-    relative = x.relative if np.isfinite(x.relative) else None
-    return {"unit": x.unit, "rms": x.rms, "largest": largest, "relative": relative}
 
 
 def _driven_until(scenario: Scenario) -> float:
