@@ -53,20 +53,6 @@ def data(log: Log) -> Figure:
     return figure
 
 
-def spectrum(log: Log, frequency: Array, power: Array, floor: float) -> Figure:
-    """The spectrum of the measured motion that the cut-off is from."""
-    figure, axes = plots.figure([["spectrum"]], 2.6)
-    axis = axes["spectrum"]
-    axis.loglog(frequency, power, color=plots.COLORS[_MEASURED], label="measured motion")
-    axis.axhline(floor, color=plots.GRAY, linestyle=plots.DASHES[2], label="noise floor")
-    if log.bandwidth:
-        axis.axvline(log.bandwidth, color=plots.COLORS[1], linestyle=plots.DASHES[1], label="cut-off")
-    axis.set_xlabel("frequency (Hz)")
-    axis.set_ylabel("power spectral density (SI/Hz)")
-    plots.legend(figure, axis)
-    return figure
-
-
 def _in_a_row(time: Array) -> tuple[Array, str]:
     """Times that rise throughout, files following each other; and what to call them."""
     steps = np.diff(time)

@@ -36,7 +36,7 @@ class Log:
         files: the name of the file that each run is from.
         hashes: SHA-256 of each file that it was read from.
         rotary: whether the machine turns: rad, N m and kg m^2 in the place of m, N and kg.
-        spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
+        noise: spectral density of the noise of the measured motion; None if it is unknown.
     """
 
     time: Array
@@ -56,7 +56,7 @@ class Log:
     order: int = 4
     files: tuple[str, ...] = ()
     hashes: tuple[str, ...] = ()
-    spectrum: tuple[Array, Array, float] | None = None
+    noise: float | None = None
     rotary: bool = False
 
     def __len__(self) -> int:

@@ -178,9 +178,6 @@ def _data(fit: LogFit) -> list[Chapter]:
     text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Notes on the data:"] if log.quality else []), *log.quality]
     table = Table(["column", "source"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
     shown = [Figure("data", "The log as it was fitted.", partial(figures.data, log))]
-    if log.spectrum is not None:
-        words = "Spectrum of the measured motion, its noise floor, and the filter's cut-off."
-        shown.append(Figure("spectrum", words, partial(figures.spectrum, log, *log.spectrum)))
     return [Chapter("data", "Data", text, [table], shown, on=PAGE)]
 
 

@@ -12,7 +12,7 @@ def measured(position, bandwidth=20.0):
         unfiltered=position(log.position),
         sources={"unfiltered": "position"},
         bandwidth=bandwidth,
-        spectrum=(np.ones(1), np.ones(1), 2 * log.step * 0.01**2 / 12),
+        noise=2 * log.step * 0.01**2 / 12,
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.record import rows_of, shortened
@@ -50,13 +50,24 @@ def test_slow_motion_and_reversals_are_no_rest():
 
 
 def test_noise_that_a_filter_has_smoothed_is_noise():
-    """It changes little from row to row; the spectrum of the measured motion tells how large it is."""
+    """It changes little from row to row; the noise of the measured motion tells how large it is."""
     rng = np.random.default_rng(0)
     t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 0.02
     rests = t % 4 < 2
     v = np.where(rests, 0.0, np.sin(2 * np.pi * t)) + low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP)
-    reported = {"bandwidth": cutoff, "spectrum": (t, t, 2 * STEP * noise**2)}
+    reported = {"bandwidth": cutoff, "noise": 2 * STEP * noise**2}
     assert np.mean(at_rest(log_of(v, lambda t, y, v, a: np.sign(v), **reported)) == rests) > 0.95
+
+
+def test_noise_of_a_position_is_noise_of_its_rate():
+    """The noise of the position, m, was compared with the speed: no rest of an encoder's log was found."""
+    rng = np.random.default_rng(0)
+    t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 2e-4
+    rests = t % 4 < 2
+    off = spline_derivative(low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP), STEP)
+    reported = {"bandwidth": cutoff, "noise": 2 * STEP * noise**2, "sources": {"unfiltered": "position"}}
+    log = log_of(np.where(rests, 0.0, np.sin(2 * np.pi * t)) + off, lambda t, y, v, a: np.sign(v), **reported)
+    assert np.mean(at_rest(log) == rests) > 0.95
 
 
 def from_rest_to_rest(files, seconds=6.0, seed=0):

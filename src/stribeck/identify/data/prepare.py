@@ -18,7 +18,7 @@ from stribeck.identify.data.clocks import on_one_clock, released, steady_stretch
 from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped, unwrapping_note
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
-from stribeck.identify.data.smoother import LOOK, likeliest, spectrum
+from stribeck.identify.data.smoother import LOOK, likeliest
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, STILL, Log
 from stribeck.recorded import is_table, opened
@@ -105,7 +105,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
-        files=tuple(names[i] for i in files) if names else (), order=order, spectrum=(*spectrum(samples, step), smoother.noise),
+        files=tuple(names[i] for i in files) if names else (), order=order, noise=smoother.noise,
     )  # fmt: skip
 
 

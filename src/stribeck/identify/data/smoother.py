@@ -27,7 +27,6 @@ _STEP, _CLOSE = 1.3, 0.01  # ratio of the cut-offs on the first grid; relative e
 _WHOLE = 0.1  # of an encoder step: rounding of the unit conversion
 _FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # zero except for rounding: of a motion, a pole, a square
 _FEWEST = 5  # samples of a smoothing spline: a cubic through fewer leaves no noise
-_SEGMENT = 4096  # samples of a segment of the spectrum: it resolves 0.25 Hz at 1 kHz
 
 
 class Smoother(NamedTuple):
@@ -143,17 +142,3 @@ def _prediction_error(differences: Sequence[Array], poles: Array) -> float:
         errors[: len(basis)] -= basis @ (basis.T @ errors[: len(basis)])
         total, count = total + float(errors @ errors), count + len(errors)
     return total / count
-
-
-def spectrum(runs: Sequence[Array], step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and power spectral density of the longest run, in sixths of an octave and without trends."""
-    rate = np.diff(max(runs, key=len)[:LOOK]) / step
-    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), _SEGMENT))
-    f, p = f[1:], p[1:]
-    p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
-    band = np.round(6 * np.log2(f / f[0])).astype(int)
-    bands = np.unique(band)
-    return (
-        np.array([np.exp(np.mean(np.log(f[band == b]))) for b in bands]),
-        np.array([np.mean(p[band == b]) for b in bands]),
-    )

@@ -28,8 +28,8 @@ def other_motions(log: Log) -> dict[str, list[Log]]:
 
 
 def noise(log: Log) -> float:
-    """The standard deviation of white noise of the measured motion, or 0 if its spectrum is unknown."""
-    return math.sqrt(log.spectrum[2] / (2 * log.step)) if log.spectrum is not None else 0.0
+    """The standard deviation of white noise of the measured motion, or 0 if it is unknown."""
+    return math.sqrt((log.noise or 0.0) / (2 * log.step))
 
 
 def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:

@@ -75,13 +75,9 @@ def _to_its_ends(rest: Mask, v: Array, limit: float, window: int) -> None:
 
 def _noise(log: Log) -> float:
     """The standard deviation of the velocity's noise, from the noise floor of the raw motion and from the velocity."""
-    v = log.velocity
-    white = typical_roughness([v[: 2 * MANY_ROWS]])
-    if log.spectrum is None or not log.bandwidth:
+    white = typical_roughness([log.velocity[: 2 * MANY_ROWS]])
+    if log.noise is None or not log.bandwidth:
         return white
-    floor, edge = log.spectrum[2], log.bandwidth
-    if "differences" in log.sources.get("velocity", ""):
-        colored = np.sqrt(floor * (2 * np.pi) ** 2 * edge**3 / 3)
-    else:
-        colored = np.sqrt(floor * edge)
-    return float(max(white, colored))
+    edge = log.bandwidth  # noise of a position is multiplied by the square of the angular frequency
+    by_rate = (2 * np.pi) ** 2 * edge**3 / 3 if log.sources.get("unfiltered") == "position" else edge
+    return float(max(white, np.sqrt(log.noise * by_rate)))
