@@ -99,15 +99,6 @@ def _why(state: EstimateState) -> str:
     return f"no speed below {REACHED:g} v_s was recorded"
 
 
-def _stated(estimate: Estimate) -> str:
-    """The estimate, or the bound that the data give."""
-    if estimate.state is EstimateState.AT_LEAST:
-        return f">= {estimate.interval[0]:.4g}"
-    if estimate.state is EstimateState.AT_MOST:
-        return f"<= {estimate.interval[1]:.4g}"
-    return f"= {estimate.value:.4g}"
-
-
 class Fit(Told, ABC):
     """The result of a fit: a :class:`LogFit` of a log, a :class:`MachineFit` of a machine's recordings.
 
@@ -174,9 +165,7 @@ class Fit(Told, ABC):
         return paths[0]
 
     def __repr__(self) -> str:
-        known = ", ".join(f"{n} {_stated(e)}" for n, e in self.parameters.items() if e.identifiable)
-        open_ones = f"; not identifiable: {', '.join(self.unidentified)}" if self.unidentified else ""
-        return f"<{type(self).__name__} of {self.title}: {self.lead}: {known}{open_ones}>"
+        return f"<{type(self).__name__} of {self.title}: {self.lead}>"
 
     @property
     def unidentified(self) -> tuple[str, ...]:

@@ -231,8 +231,7 @@ def _distance_from_cubic(x: Array) -> Array:
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
     """The runs between breaks, without the rows of stuck or clipped sensors, if they are long enough."""
-    bad = _clipped(columns, number, notes)
-    bad |= _stuck(columns, number, notes, bad)
+    bad = _repeating(columns, number, notes)
     breaks = breaks | (bad[1:] != bad[:-1])
     cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(bad)]
     pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
@@ -343,46 +342,34 @@ def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
     return starts, lengths, float(np.quantile(lengths, rank)) if rank > 0 else 1.0, count
 
 
-def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask) -> Mask:
-    """Rows of a stuck sensor: one value for many samples while the body moves, though the sensor usually changes."""
-    bad = np.zeros(len(columns["time"]), bool)
+def _repeating(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
+    """Rows of a clipped or stuck sensor, which usually changes: it repeats one value.
+
+    A clipped one repeats its largest or smallest value. A stuck one repeats any value for long while the body moves.
+    """
+    time = columns["time"]
+    bad = np.zeros(len(time), bool)
     motion = columns["position"] if "position" in columns else np.cumsum(columns["velocity"])
     still = 0.02 * float(np.ptp(motion))
     for role in ("force", "velocity", "load", "pressure"):
-        if role not in columns:
+        starts, lengths, usual, count = _repeats(columns.get(role, np.zeros(1)))
+        if count < _LEVELS:
             continue
-        starts, lengths, usual, count = _repeats(columns[role])
+        value, enough = columns[role][starts], lengths >= (_AT_LIMIT if usual <= 2 else np.inf)
         moved = abs(motion[starts + lengths - 1] - motion[starts])
-        long = (lengths > max(FEWEST, 20 * usual)) & (moved > still) & ~known[starts]
-        if count >= _LEVELS and long.any():
-            text = f"{number}: {role}: the sensor is stuck at one value while the body moves,"
-            notes.append(_left_out(bad, columns["time"], starts[long], lengths[long], text))
+        low, high = float(columns[role].min()), float(columns[role].max())
+        rows = {
+            f"clipped at its largest value {high:.6g}": enough & (value == high),
+            f"clipped at its smallest value {low:.6g}": enough & (value == low),
+        }
+        stuck = (lengths > max(FEWEST, 20 * usual)) & (moved > still) & ~np.any(list(rows.values()), axis=0)
+        rows["the sensor is stuck at one value while the body moves,"] = stuck
+        for text, which in rows.items():
+            for first, length in zip(starts[which].tolist(), lengths[which].tolist(), strict=True):
+                bad[first : first + length] = True
+            if which.any():
+                notes.append(
+                    f"{number}: {role}: {text} in {lengths[which].sum()} rows (first at {time[starts[which][0]]:.6g} s); these "
+                    "rows were left out and the log was split there"
+                )
     return bad
-
-
-def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
-    """Rows of a clipped sensor: it repeats its largest or smallest value, and not because of coarse quantization."""
-    bad = np.zeros(len(columns["time"]), bool)
-    for role in ("force", "velocity"):
-        x = columns.get(role)
-        if x is None:
-            continue
-        starts, lengths, usual, count = _repeats(x)
-        if count < _LEVELS or usual > 2:
-            continue
-        for end, word in ((x.max(), "largest"), (x.min(), "smallest")):
-            at = (x[starts] == end) & (lengths >= _AT_LIMIT)
-            if at.any():
-                text = f"{number}: {role}: clipped at its {word} value {end:.6g}"
-                notes.append(_left_out(bad, columns["time"], starts[at], lengths[at], text))
-    return bad
-
-
-def _left_out(bad: Mask, time: Array, starts: NDArray[np.intp], lengths: NDArray[np.intp], text: str) -> str:
-    """Mark stretches of rows as bad, in place; the note about them, which begins with ``text``."""
-    for first, length in zip(starts.tolist(), lengths.tolist(), strict=True):
-        bad[first : first + length] = True
-    return (
-        f"{text} in {lengths.sum()} rows (first at {time[starts[0]]:.6g} s); these rows were left out and the log was "
-        "split there"
-    )
