@@ -16,9 +16,9 @@ from stribeck.identify.actuator.guided import UnderGuide
 from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes, left_step
-from stribeck.identify.core import search as beam
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, ModelLibrary, seen_speeds
+from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState, one_sided
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCKS, ROWS
@@ -190,7 +190,7 @@ def regressed(
         left=left_step(problem, u, r, J)[asked],
         friction=_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
     )  # fmt: skip
-    beam.search(lib)
+    search_forms(lib)
     solved, sse = lib.solve(gram.sum(0))
     choice = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     choice.index = next(i for i, m in enumerate(lib.models) if not m[1])

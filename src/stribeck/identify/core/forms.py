@@ -18,7 +18,7 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.over_position import turned
+from stribeck.identify.models.over_position import direction_along
 
 # Of the fastest speed, or of the travel between reversals, by factors of 2: of a bend between two widths
 # these leave 3 %, of a rounded one 7 to 11 %.
@@ -216,7 +216,7 @@ def _rate(log: Log, x: Array) -> Array:
 
 
 def _turned(log: Log, way: float) -> Array:
-    return turned(log, way) - np.sign(log.velocity)
+    return direction_along(log, way) - np.sign(log.velocity)
 
 
 def _lagging(log: Log, x: Array, time: float) -> Array:

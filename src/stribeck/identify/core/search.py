@@ -17,7 +17,7 @@ COST = 0.04  # fall of the log squared residual per column that pays in the beam
 Met = dict[tuple[int, frozenset[str]], tuple[float, tuple[str, ...]]]  # squared residual and forms, by node and set
 
 
-def search(lib: ModelLibrary) -> None:
+def search_forms(lib: ModelLibrary) -> None:
     """Beam search: every form is added to each set of the beam at every node, and the best models are kept."""
     total, met, allowed = lib.gram.sum(0), Met(), {g: lib.allowed(g) for g in lib.groups}
     beam: list[tuple[str, ...]] = [()]

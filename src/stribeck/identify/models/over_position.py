@@ -24,7 +24,7 @@ def travel(log: Log) -> float:
     return float(ways[np.searchsorted(gone, 0.5 * gone[-1])])
 
 
-def turned(log: Log, way: float) -> Array:
+def direction_along(log: Log, way: float) -> Array:
     """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.
 
     Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two

@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.forms import Anchor, Key, fits, forms, is_bend, steady
 from stribeck.identify.core.library import CELL, LARGEST, LEVELS, STEEP, Model, ModelLibrary, seen_speeds
-from stribeck.identify.core.search import search
+from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import INTEGRAL
 from stribeck.identify.models.curves import SPEEDS, SteadyCurve
@@ -270,7 +270,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     out = _with_forms(record, law, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
     n = len(curve.names)
     out.add([*shapes, shape], [curve.anchored(c[:n].tolist()) for c in (*at_nodes, x)])
-    search(out)
+    search_forms(out)
     return out
 
 
