@@ -15,11 +15,13 @@ import stat
 from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
+from typing import TypeVar
 
 from stribeck.errors import BuildError, note
-from stribeck.files import sha256_of
 from stribeck.platforms import user_name
 from stribeck.simulation.compiler import Compiler
+
+Made = TypeVar("Made")
 
 _loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and the source
 
@@ -39,7 +41,7 @@ def folder() -> Path:
 
 
 def library(
-    source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None] | None = None
+    source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None] = lambda library: None
 ) -> tuple[ctypes.CDLL, bool]:
     """The library of a source, from this process, from disk or built now; and whether it was built now.
 
@@ -56,13 +58,15 @@ def library(
     if identity in _loaded:
         return _loaded[identity], False
     key = sha256("\0".join(identity).encode()).hexdigest()[:32]
-    check = check or (lambda library: None)
-    loaded = _from_disk(key, check)
-    if loaded is not None:
-        _loaded[identity] = loaded
-        return loaded, False
-    _loaded[identity] = _compile(key, source, compiler, check)
-    return _loaded[identity], True
+
+    def load(path: Path) -> ctypes.CDLL:
+        library = ctypes.CDLL(str(path))
+        check(library)
+        return library
+
+    kept = stored(key, ".so", load)
+    _loaded[identity] = kept if kept is not None else _compile(key, source, compiler, load)
+    return _loaded[identity], kept is None
 
 
 def distrusted(home: Path) -> str | None:
@@ -83,9 +87,7 @@ def distrusted(home: Path) -> str | None:
         return "belongs to another user"
     try:
         if (mode := stat.S_IMODE(state.st_mode)) & 0o077:
-            if all(
-                path.suffix in (".so", ".wasm", ".cwasm") or path.name.startswith("build-") for path in home.iterdir()
-            ):
+            if all(path.suffix in (".so", ".cwasm") or path.name.startswith("build-") for path in home.iterdir()):
                 home.chmod(mode & 0o700)
             elif mode & 0o022:
                 return "is open to other users and holds other files"
@@ -94,28 +96,31 @@ def distrusted(home: Path) -> str | None:
     return None
 
 
-def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | None:
+def stored(key: str, suffix: str, use: Callable[[Path], Made]) -> Made | None:
+    """What ``use`` makes of the file of a key; None without one that is whole, of this user and fit for use.
+
+    ``use`` raises BuildError or OSError for an unfit file, which is then removed.
+    """
     home = folder()
     if distrusted(home):
-        return None  # reported when the new library cannot be stored
+        return None  # reported when the new file cannot be stored
     try:
-        candidates = sorted(home.glob(f"{key}-*.so"))
+        candidates = sorted(home.glob(f"{key}-*{suffix}"))
     except OSError:
         return None
     for path in candidates:
         try:
             if foreign(path):
-                note(f"cache: {path} may have been written by another user; the system is compiled anew")
-            elif _digest(path) != path.stem.split("-")[1]:
-                note(f"cache: {path} is damaged; the system is compiled anew")
+                problem = " may have been written by another user"
+            elif _digest(path.read_bytes()) != path.stem.split("-")[1]:
+                problem = " is damaged"
             else:
-                library = ctypes.CDLL(str(path))
-                check(library)
-                return library
+                return use(path)
         except BuildError as error:
-            note(f"cache: {path}: {error}; the system is compiled anew")
+            problem = f": {error}"
         except OSError as error:
-            note(f"cache: {path} cannot be loaded ({error.strerror or error}); the system is compiled anew")
+            problem = f" cannot be loaded ({error.strerror or error})"
+        note(f"cache: {path}{problem}; the system is compiled anew")
         with contextlib.suppress(OSError):
             path.unlink()
     return None
@@ -129,46 +134,43 @@ def foreign(path: Path) -> bool:
     return state.st_uid != os.geteuid() or bool(state.st_mode & 0o022) or stat.S_ISLNK(state.st_mode)
 
 
-def _compile(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL:
+def _compile(key: str, source: str, compiler: Compiler, load: Callable[[Path], ctypes.CDLL]) -> ctypes.CDLL:
     from tempfile import TemporaryDirectory
 
     with TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
         code, built = Path(work) / "system.c", Path(work) / "system.so"
         code.write_text(source, encoding="utf-8")
         compiler.build(code, built)
-        kept = _store(key, built)
+        kept = store(key, ".so", built.read_bytes()) or built
         # the one in the cache first: temporary files may not be executable, and Windows removes no library in use
-        for place in dict.fromkeys((kept, built)):
-            try:
-                library = ctypes.CDLL(str(place))
-                check(library)
-                return library
-            except BuildError:
-                with contextlib.suppress(OSError):
-                    place.unlink()
+        try:
+            return load(kept)
+        except BuildError:
+            with contextlib.suppress(OSError):
+                kept.unlink()
+            raise
+        except OSError:  # reported by the next process
+            if kept == built:
                 raise
-            except OSError:  # reported by the next process
-                if place == built:
-                    raise
-        raise AssertionError
+        return load(built)
 
 
-def _store(key: str, built: Path) -> Path:
-    """Store a library in the cache and return its place; its present place if the cache cannot be written."""
+def store(key: str, suffix: str, content: bytes) -> Path | None:
+    """Store a file in the cache and return its place; None, and a note, if the cache cannot be written."""
     from tempfile import NamedTemporaryFile
 
     home = folder()
-    kept = home / f"{key}-{_digest(built)}.so"
+    kept = home / f"{key}-{_digest(content)}{suffix}"
     if reason := distrusted(home):
         note(f"cache: {home} {reason}: it is not used; the next process compiles again (set STRIBECK_CACHE)")
-        return built
+        return None
     try:
-        if kept.is_file() and not foreign(kept) and _digest(kept) == _digest(built):
+        if kept.is_file() and not foreign(kept) and kept.read_bytes() == content:
             return kept  # stored by another process, which may use it
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
         with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
             try:
-                draft.write(built.read_bytes())
+                draft.write(content)
                 draft.close()
                 Path(draft.name).replace(kept)
             except BaseException:
@@ -176,41 +178,11 @@ def _store(key: str, built: Path) -> Path:
                     Path(draft.name).unlink()
                 raise
     except OSError as error:
-        _note_not_stored(home, error)
-        return built
+        why = f"cannot be written ({error.strerror})"
+        note(f"cache: {home} {why}; the next process compiles again (set STRIBECK_CACHE)")
+        return None
     return kept
 
 
-def _note_not_stored(home: Path, error: OSError) -> None:
-    note(f"cache: {home} cannot be written ({error.strerror}); the next process compiles again (set STRIBECK_CACHE)")
-
-
-def read_sealed(name: str) -> bytes | None:
-    """The content of a file by :func:`write_sealed`; None if it is missing, damaged or of another user."""
-    home = folder()
-    if distrusted(home) is not None:
-        return None
-    with contextlib.suppress(OSError):
-        if not foreign(home / name):
-            content = (home / name).read_bytes()
-            if sha256(content[:-32]).digest() == content[-32:]:
-                return content[:-32]
-    return None
-
-
-def write_sealed(name: str, content: bytes) -> None:
-    """Store a file with its digest in the cache; nothing happens if the cache cannot be written."""
-    from tempfile import NamedTemporaryFile
-
-    home = folder()
-    if distrusted(home) is not None:
-        return
-    with contextlib.suppress(OSError):
-        home.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
-            draft.write(content + sha256(content).digest())
-        Path(draft.name).replace(home / name)
-
-
-def _digest(path: Path) -> str:
-    return sha256_of(path)[:32]
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()[:32]

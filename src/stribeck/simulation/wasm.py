@@ -21,7 +21,6 @@ import numpy as np
 
 from stribeck.codegen.emitted import LINE, Added, Emitted
 from stribeck.codegen.webassembly import Module
-from stribeck.errors import BuildError
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, engine
@@ -77,15 +76,11 @@ def compiled(module: bytes) -> tuple[wasmtime.Module, bool]:
     key = sha256("|".join((engine.identity(), compiler.processor())).encode() + module).hexdigest()[:32]
     if key in _compiled:
         return _compiled[key], False
-    if (code := cache.read_sealed(f"{key}.cwasm")) is not None:
-        try:
-            _compiled[key] = engine.read(code)
-            return _compiled[key], False
-        except BuildError:
-            pass  # by another build of Wasmtime: compiled again
-    _compiled[key] = built = engine.build(module)
-    cache.write_sealed(f"{key}.cwasm", bytes(built.serialize()))
-    return built, True
+    kept = cache.stored(key, ".cwasm", lambda path: engine.read(path.read_bytes()))
+    _compiled[key] = kept if kept is not None else engine.build(module)
+    if kept is None:
+        cache.store(key, ".cwasm", bytes(_compiled[key].serialize()))
+    return _compiled[key], kept is None
 
 
 _compiled: dict[str, wasmtime.Module] = {}
