@@ -113,20 +113,13 @@ def _once(
     tolerances: Tolerances,
     most: int,
 ) -> tuple[Result, MeasuredMotion]:
-    given, held = solver_input(scenario, tolerances), len(scenario.system.held)
-    width = len(scenario.system.states) + held + len(scenario.system.shown)
-    event_room = max(EVENT_ROOM, library.stribeck_event_room())
-    views = {"x": given.doubles["x"], "out": np.empty((scenario.rows, width)), "largest": given.doubles["largest"]}
-    views |= {"event_time": np.empty(event_room), "event_what": np.empty(event_room, np.int32)}
-    counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
-    arrays: dict[str, NDArray[Any]]  # as long as the struct points to them
-    arrays = {**given.doubles, **views, **counts, "piece_restart": given.restart}
-    run = Run()
+    given, event_room = solver_input(scenario, tolerances), max(EVENT_ROOM, library.stribeck_event_room())
+    arrays, run = given.arrays(scenario, event_room), Run()  # the arrays live as long as the struct points to them
     for name, array in arrays.items():
         setattr(run, name, array.ctypes.data)
     run.event_room = event_room
     advance = partial(library.stribeck_advance, ctypes.byref(run))
-    solving = Solving(scenario, given, run, views, advance)
+    solving = Solving(scenario, given, run, arrays, advance)
     return solving.to_the_end(progress, most), solving.measured
 
 
@@ -138,6 +131,16 @@ class SolverInput:
     restart: NDArray[np.int8]
     numbers: dict[str, float]  # rtol, step and h_limit
     queue_room: int
+
+    def arrays(self, scenario: Scenario, event_room: int) -> dict[str, NDArray[Any]]:
+        """All arrays of the struct Run by name, those for results included."""
+        system = scenario.system
+        held, width = len(system.held), len(system.states) + len(system.held) + len(system.shown)
+        return {
+            **self.doubles, "piece_restart": self.restart, "sampled": np.zeros(held, np.int64),
+            "acted": np.zeros(held, np.int64), "out": np.empty((scenario.rows, width)),
+            "event_time": np.empty(event_room), "event_what": np.empty(event_room, np.int32),
+        }  # fmt: skip
 
 
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
@@ -173,7 +176,7 @@ class Solving:
         scenario: the scenario.
         given: its input.
         run: the struct that is shared with the solver, with its pointers set.
-        views: the arrays ``x``, ``out``, ``largest``, ``event_time`` and ``event_what`` that it points to.
+        views: the arrays that it points to, by name.
         advance: continues the integration and returns a status.
     """
 

@@ -26,7 +26,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, engine
 from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, finest_scale, solver_input
-from stribeck.simulation.promise import MeasuredMotion, Tolerances, measures, solve_to_promise
+from stribeck.simulation.promise import MeasuredMotion, Tolerances, solve_to_promise
 from stribeck.simulation.result import Result
 
 if TYPE_CHECKING:
@@ -126,36 +126,25 @@ def in_memory(
 ) -> Made:
     """What ``use`` makes of a run whose arrays lie in the memory of an instance."""
     instance = _instance(code)
-    equations = scenario.system
-    held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
-    event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
-    arrays: dict[str, np.ndarray] = {
-        **given.doubles, "piece_restart": given.restart, "sampled": np.zeros(held, np.int64),
-        "acted": np.zeros(held, np.int64), "event_time": np.zeros(event_room), "event_what": np.zeros(event_room, np.int32),
-    }  # fmt: skip
-    sizes = {name: x.nbytes for name, x in arrays.items()} | {"out": 8 * scenario.rows * width}
+    event_room = max(EVENT_ROOM, 16 * (len(scenario.system.watched) + 1))
+    arrays = given.arrays(scenario, event_room)
     heap = -(-system.end // LINE) * LINE
     place, end = dict[str, int](), heap + _RUN_ROOM
-    for name, size in sizes.items():
-        place[name], end = end, end + -(-max(size, 8) // LINE) * LINE
-    memory = instance.memory(end)
     for name, x in arrays.items():
-        memory[place[name] : place[name] + x.nbytes] = np.ascontiguousarray(x).reshape(-1).view(np.uint8)
+        place[name], end = end, end + -(-max(x.nbytes, 8) // LINE) * LINE
+    memory = instance.memory(end)
+    views = {
+        name: np.frombuffer(memory.data, x.dtype, x.size, place[name]).reshape(x.shape) for name, x in arrays.items()
+    }
+    for name, x in arrays.items():
+        if name != "out":  # the largest, and written before it is read
+            views[name][...] = x
     shape = np.array(system.shape, np.int32)
     begin = instance.address("shape")
     memory[begin : begin + shape.nbytes] = shape.view(np.uint8)
     memory[heap : heap + _RUN_ROOM] = 0
-    views = {
-        name: np.frombuffer(memory.data, kind, count, place[name])
-        for name, kind, count in (
-            ("x", np.float64, len(equations.states)), ("largest", np.float64, measures(scenario)),
-            ("out", np.float64, scenario.rows * width),
-            ("event_time", np.float64, event_room), ("event_what", np.int32, event_room),
-        )
-    }  # fmt: skip
-    views["out"] = views["out"].reshape(scenario.rows, width)
     run = run_struct().from_buffer(memory.data, heap)
-    for name in (*arrays, "out"):
+    for name in arrays:
         setattr(run, name, place[name])
     run.event_room = event_room
     result = use(Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)))
