@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
 
-from stribeck.errors import needed
+from stribeck.errors import needed, printable
 from stribeck.exports.request import ascii_only, wrapped
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
@@ -206,6 +207,11 @@ def _number(x: object) -> str:
     return repr(float(x) if isinstance(x, float) else x)
 
 
+def _quoted(value: object) -> str:
+    """A value as an attribute of XML, which has no control characters."""
+    return escape(printable(str(value)), {'"': "&quot;"})
+
+
 def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
     return _templates().get_template(template).render(repr=_number, **values)
@@ -222,5 +228,5 @@ def _templates() -> jinja2.Environment:
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
         comment_start_string="{##", autoescape=False,
     )  # fmt: skip
-    environment.filters |= {"plain": ascii_only, "wrapped": wrapped}
+    environment.filters |= {"plain": ascii_only, "wrapped": wrapped, "quoted": _quoted}
     return environment

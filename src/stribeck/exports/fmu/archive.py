@@ -11,7 +11,7 @@ from stribeck.exports.c import c99
 from stribeck.exports.c.ccode import expression, pair, render
 from stribeck.exports.c.sampling import resolution
 from stribeck.exports.fmu.binaries import binaries
-from stribeck.exports.fmu.description import Description, Variables, build_description, model_description
+from stribeck.exports.fmu.description import Description, Variables, model_description
 from stribeck.exports.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
@@ -34,7 +34,7 @@ def packed(part: str, model: str, description: Description, values: Mapping[str,
     content: dict[str, str | bytes] = {"modelDescription.xml": model_description(description)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
-        content["sources/buildDescription.xml"] = build_description(description.model)
+        content["sources/buildDescription.xml"] = render("fmu_build.xml", model=description.model)
     for folder, library in binaries(sources, fmi).items():
         content[f"binaries/{folder}/{description.model}{_suffix(folder)}"] = library
     content["documentation/index.html"] = _page(description.about)

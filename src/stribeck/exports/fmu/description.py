@@ -6,10 +6,9 @@ import re
 import uuid
 from collections import Counter
 from dataclasses import dataclass, field
-from xml.etree import ElementTree as ET
 
 from stribeck.constants import Constant
-from stribeck.errors import printable
+from stribeck.exports.c.ccode import render
 from stribeck.version import __version__
 
 _BASE = {
@@ -47,6 +46,13 @@ class Variable:
     derivative_of: int | None = None
     settable: bool = True
     calculated_from: tuple[int, ...] = ()
+
+    @property
+    def initial(self) -> str | None:
+        """How its value at the start is known."""
+        if self.causality in ("input", "independent"):
+            return None
+        return "exact" if self.start is not None else "calculated"
 
 
 class Variables(list[Variable]):
@@ -130,68 +136,14 @@ class Description:
 
 def model_description(fmu: Description) -> str:
     """modelDescription.xml."""
-    fmi, model, variables = fmu.fmi, fmu.model, fmu.variables
-    key = "instantiationToken" if fmi == 3 else "guid"
-    root = ET.Element("fmiModelDescription", {
-        "fmiVersion": f"{fmi}.0", "modelName": model, key: fmu.token,
-        "description": fmu.about[0], "version": __version__, "license": "Apache-2.0",
-        "generationTool": f"stribeck {__version__}", "variableNamingConvention": "structured",
-        **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
-    })  # fmt: skip
-    state = "FMUState" if fmi == 3 else "FMUstate"
-    directional = "providesDirectionalDerivatives" if fmi == 3 else "providesDirectionalDerivative"
-    common = {
-        "modelIdentifier": model,
-        f"canGetAndSet{state}": "true",
-        f"canSerialize{state}": "true",
-    }
-    if fmu.exchange and fmu.slopes:
-        common[directional] = "true"
-        if fmi == 3:
-            common["providesAdjointDerivatives"] = "true"
-    for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
-        if kind == "ModelExchange" and not fmu.exchange:
-            continue
-        element = ET.SubElement(root, kind, common | more)
-        if fmi == 2:
-            ET.SubElement(ET.SubElement(element, "SourceFiles"), "File", {"name": "fmu.c"})
-    _units(root, {v.unit for v in variables})
-    categories = ET.SubElement(root, "LogCategories")
-    ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
-    default = {"startTime": "0", "stopTime": repr(fmu.t_end), "tolerance": repr(fmu.rtol)}
-    step = {} if fmu.step is None else {"stepSize": repr(fmu.step)}
-    ET.SubElement(root, "DefaultExperiment", default | step)
-    element = ET.SubElement(root, "ModelVariables")
-    for variable in variables:
-        _variable(element, fmi, variable)
-    _structure(ET.SubElement(root, "ModelStructure"), fmu)
-    return _text(root)
-
-
-def build_description(model: str) -> str:
-    """buildDescription.xml of FMI 3.0."""
-    root = ET.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
-    configuration = ET.SubElement(root, "BuildConfiguration", {"modelIdentifier": model})
-    files = ET.SubElement(configuration, "SourceFileSet", {"language": "C99"})
-    ET.SubElement(files, "SourceFile", {"name": "fmu.c"})
-    ET.SubElement(configuration, "Library", {"name": "m"})
-    return _text(root)
-
-
-def _text(root: ET.Element) -> str:
-    for element in root.iter():  # XML has no control characters
-        element.attrib.update({name: printable(text) for name, text in element.attrib.items()})
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
-
-
-def _units(root: ET.Element, units: set[str]) -> None:
-    element = ET.SubElement(root, "UnitDefinitions")
-    for unit in sorted(units - {""}):
-        powers = dimensions(unit)
-        each = ET.SubElement(element, "Unit", {"name": unit})
-        if powers is not None:
-            ET.SubElement(each, "BaseUnit", {name: str(power) for name, power in powers.items() if power})
+    outputs = [v for v in fmu.variables if v.causality == "output"]
+    units = sorted({v.unit for v in fmu.variables} - {""})
+    return render(
+        "fmu.xml", fmi=fmu.fmi, model=fmu.model, token=fmu.token, about_lines=fmu.about, version=__version__,
+        exchange=fmu.exchange, slopes=fmu.slopes, t_end=fmu.t_end, rtol=fmu.rtol, step=fmu.step, variables=fmu.variables,
+        units={unit: dimensions(unit) for unit in units}, outputs=outputs, derivatives=fmu.derivatives,
+        unknowns=[v for v in (*outputs, *fmu.derivatives) if v.start is None],
+    )  # fmt: skip
 
 
 def dimensions(unit: str) -> dict[str, int] | None:
@@ -207,53 +159,3 @@ def dimensions(unit: str) -> dict[str, int] | None:
             for name, power in _BASE[base_unit[1]].items():
                 powers[name] += (1 if i == 0 else -1) * power * int(base_unit[2] or 1)
     return dict(powers)
-
-
-def _initial(variable: Variable) -> str | None:
-    if variable.causality in ("input", "independent"):
-        return None
-    return "exact" if variable.start is not None else "calculated"
-
-
-def _real(variable: Variable) -> dict[str, str]:
-    attributes = {"unit": variable.unit} if variable.unit else {}
-    if variable.nominal is not None:
-        attributes["nominal"] = repr(float(variable.nominal))
-    if variable.minimum is not None:
-        attributes["min"] = repr(float(variable.minimum))
-    if variable.start is not None:
-        attributes["start"] = repr(float(variable.start))
-    return attributes
-
-
-def _about(variable: Variable) -> dict[str, str]:
-    attributes = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.meaning}
-    attributes |= {"causality": variable.causality, "variability": variable.variability}
-    if initial := _initial(variable):
-        attributes["initial"] = initial
-    return attributes
-
-
-def _variable(root: ET.Element, fmi: int, variable: Variable) -> None:
-    about, real = _about(variable), _real(variable)
-    if variable.derivative_of is not None:
-        real["derivative"] = str(variable.derivative_of + (fmi == 2))  # FMI 2 counts from 1
-    if fmi == 3:
-        ET.SubElement(root, "Float64", about | real)
-    else:
-        ET.SubElement(ET.SubElement(root, "ScalarVariable", about), "Real", real)
-
-
-def _structure(root: ET.Element, fmu: Description) -> None:
-    """Outputs, derivatives of states, and what is unknown at the start; FMI 2 lists each kind apart and counts from 1."""
-    outputs, derivatives = [v for v in fmu.variables if v.causality == "output"], fmu.derivatives
-    unknowns = [v for v in (*outputs, *derivatives) if v.start is None]
-    tags = {"Output": "Outputs", "ContinuousStateDerivative": "Derivatives", "InitialUnknown": "InitialUnknowns"}
-    for (tag, listed), rows in zip(tags.items(), (outputs, derivatives, unknowns), strict=True):
-        parent = ET.SubElement(root, listed) if fmu.fmi == 2 and rows else root
-        for variable in rows:
-            attributes = {"index" if fmu.fmi == 2 else "valueReference": str(variable.reference + (fmu.fmi == 2))}
-            if tag != "InitialUnknown":
-                depends_on = variable.calculated_from or (variable.reference,)
-                attributes["dependencies"] = " ".join(str(r + (fmu.fmi == 2)) for r in depends_on)
-            ET.SubElement(parent, "Unknown" if fmu.fmi == 2 else tag, attributes)
