@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from html import escape
 
 import numpy as np
 import pytest
@@ -112,7 +113,8 @@ def test_a_fit_as_a_table(law):
     fit = st.fit({"t": t, "v": v, "F": F}, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0)
     assert isinstance(fit, st.Fit)
     html = fit._repr_html_()
-    assert "<td>F_c</td>" in html
+    assert html == f"<pre>{escape(str(fit))}</pre>"
+    assert "F_c" in html
     assert "coulomb_viscous, relative residual" in html
     assert repr(fit).startswith("<LogFit of the record: coulomb_viscous, relative residual ")
     assert "array" not in repr(fit)

@@ -26,7 +26,7 @@ def test_a_file_as_objects():
     bearing = {"sigma_0": 3.0, "sigma_1": 4e-3, "sigma_2": 3e-5, "F_c": 8e-3, "F_s": 0.012, "v_s": 1.5}
     seal = {"sigma_0": 1.2e3, "sigma_1": 4.0, "sigma_2": 0.05, "F_c": 0.3, "F_s": 0.42, "v_s": 0.03}
     machine = st.Machine(
-        st.Body("rotor", inertia=6e-5, y=0.0, v=0.0), st.Body("arm", inertia=0.12),
+        st.Body("rotor", inertia=6e-5, initial={"y": 0.0, "v": 0.0}), st.Body("arm", inertia=0.12),
         st.Link("gear", "rotor", "arm", ratio=0.02, stiffness=4e3, damping=5.0),
         st.Contact("bearing", "rotor", {"name": "lugre_majorant", "k_v": 2e3, "parameters": bearing}),
         st.Contact(

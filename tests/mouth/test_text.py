@@ -64,7 +64,6 @@ def test_a_page_and_its_figures_show_what_could_turn_it_round(tmp_path):
     whole = paths[-1].read_text(encoding="utf-8")
     assert "\nsecond line</code>" in whole
     assert whole.count(SHOWN) >= 20
-    assert plain(page.fragment(document(HOSTILE)))
 
 
 @pytest.mark.pictures

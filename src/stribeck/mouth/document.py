@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ class Document:
 
 
 class Told:
-    """A result that says itself: ``print()`` shows what a terminal would, a notebook the same as HTML."""
+    """A result that says itself: ``print()`` and a notebook show what a terminal would."""
 
     def document(self) -> Document:
         """The document of the result, for the terminal and for a page."""
@@ -156,6 +157,4 @@ class Told:
         return "\n".join(terminal.lines(self.document()))
 
     def _repr_html_(self) -> str:
-        from stribeck.mouth import page
-
-        return page.fragment(self.document())
+        return f"<pre>{escape(str(self))}</pre>"

@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -81,27 +80,6 @@ def _sentence(text: str) -> str:
     first = text.split(" ", 1)[0].rstrip(",:;")
     begun = text if re.search(r"\w[_.]\w", first) else f"{text[:1].upper()}{text[1:]}"
     return begun + ("" if text.endswith((".", "!", "?", ":")) else ".")
-
-
-def fragment(document: Document) -> str:
-    """The terminal's view of a document as HTML without style, for notebooks."""
-    parts = [f"<p><b>{_shown(document.title)}</b>: {_shown(document.lead)}</p>"]
-    parts += [f"<p>{_shown(text)}</p>" for text in document.facts]
-    for chapter in (each for each in document.chapters if "terminal" in each.on):
-        parts += [f"<p>{_shown(text)}</p>" for text in chapter.facts]
-        for table in (each for each in chapter.tables if "terminal" in each.on):
-            head, rows, _ = texts(table, "terminal")
-            lines = [_row("th", head), *(_row("td", row) for row in rows)]
-            parts.append(f"<table>{''.join(lines)}</table>")
-    return "\n".join(parts)
-
-
-def _shown(text: str) -> str:
-    return escape(unbroken(text))
-
-
-def _row(kind: str, cells: Sequence[str]) -> str:
-    return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
 
 
 @cache

@@ -81,13 +81,6 @@ class Body(Element, family=True):
             cls.__annotations__ = {**own, "initial": Annotated[table | None, Aside()]}
             cls.initial = Field(None, description="the state at t = 0")
 
-    def __init__(self, name: str, *, y: float | None = None, v: float | None = None, **keys: Any) -> None:
-        if start := {n: x for n, x in (("y", y), ("v", v)) if x is not None}:
-            keys["initial"] = start
-        super().__init__(name=name, **keys)
-
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
-
     @property
     def turns(self) -> bool:
         """Whether it turns: rad and N m."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import BeforeValidator, Field
 
@@ -61,11 +61,6 @@ class Link(BetweenBodies, family=True):
     ratio: float | None = ratio_constant(
         "factor of the motion of `from`, d = ratio y_from - y_to: stiffness, damping and gap refer to `to`; 1 unless given"
     )
-
-    def __init__(self, name: str, start: object, end: str = GROUND, **keys: Any) -> None:
-        super().__init__(name=name, start=start, end=end, **keys)
-
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
 
     def wrong(self) -> list[Problem]:
         """A far end that nothing is tied to."""
