@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, arg, nearest, unbroken
+from stribeck.errors import InputError, arg, nearest
 from stribeck.laws.base import Law
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
+from stribeck.mouth.document import Document, Told
 from stribeck.properties.checked import check_law, check_varied
 from stribeck.properties.plain import Json
 from stribeck.properties.ranges import of_contact
@@ -23,9 +23,6 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.scenario.schema1 import SIGNALS
 
-if TYPE_CHECKING:
-    from stribeck.mouth.document import Document
-
 ONLY = "contact"  # the name of the contact of a single body
 _SUM = (
     "the stored energy (kinetic, and of contacts, links and pendulums) never rises by more than the energy supplied by loads, "
@@ -34,7 +31,7 @@ _SUM = (
 
 
 @dataclass(repr=False)
-class MachineVerdicts:
+class MachineVerdicts(Told):
     """The verdicts on a machine.
 
     Attributes:
@@ -73,8 +70,7 @@ class MachineVerdicts:
         return said.machine(self)
 
     def __repr__(self) -> str:
-        contacts = [f"{name}: {verdicts!r}" for name, verdicts in self.contacts.items()]
-        return "\n".join([*contacts, unbroken(f"{self.name}: {self.answer}")])
+        return f"<{type(self).__name__} on {self.name}: {self.answer}>"
 
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 from stribeck.constants import DECIDED
-from stribeck.errors import unbroken
 from stribeck.laws.base import Law
+from stribeck.mouth.document import Document, Told
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
 from stribeck.properties.statement import statement
 
 if TYPE_CHECKING:
-    from stribeck.mouth.document import Document
     from stribeck.properties.model import Model
     from stribeck.properties.steepness import Steepness
     from stribeck.properties.worst import Varied
@@ -117,7 +115,7 @@ def proved(model: Model, certificate: Certificate, method: str, evidence: Mappin
 
 
 @dataclass(repr=False)
-class Verdicts:
+class Verdicts(Told):
     """The verdicts on a law with its constants.
 
     Attributes:
@@ -156,11 +154,8 @@ class Verdicts:
         return said.law(self)
 
     def __repr__(self) -> str:
-        rows = [
-            fill(f"  {name:11}{DECIDED[v.holds]:10}{v.reason}", 100, subsequent_indent=" " * 23)
-            for name, v in self.properties.items()
-        ]
-        return "\n".join([*map(unbroken, self.headings()), *rows])
+        decided = ", ".join(f"{name} {DECIDED[v.holds]}" for name, v in self.properties.items())
+        return f"<{type(self).__name__} on {self.law.name}: {decided}>"
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
