@@ -140,6 +140,8 @@ def _decide(
             verdicts = asked.verdicts(v_max)
         if verify:
             verdicts.verify()
+            if unverified := verdicts.unverified:
+                note(f"--verify: {', '.join(unverified)}: not verified: there is no certificate, and no run to repeat")
         files, pages = _write(verdicts, out, certificate)
     written = {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(

@@ -78,6 +78,11 @@ class MachineVerdicts(Told):
         return all(agreed)
 
     @property
+    def unverified(self) -> list[str]:
+        """The decided properties of all contacts that :meth:`verify` cannot check."""
+        return [f"{contact}.{name}" for contact, verdicts in self.contacts.items() for name in verdicts.unverified]
+
+    @property
     def proved(self) -> bool:
         """Whether there is a proof with a certificate."""
         return any(verdicts.proved for verdicts in self.contacts.values())

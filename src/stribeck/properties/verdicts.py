@@ -166,6 +166,11 @@ class Verdicts(Told):
         return all(verdict.verified is not False for verdict in self.properties.values())
 
     @property
+    def unverified(self) -> list[str]:
+        """The decided properties that :meth:`verify` cannot check, such as those of a law without z: it has no certificate."""
+        return [n for n, v in self.properties.items() if v.holds is not None and v.verified is None]
+
+    @property
     def proved(self) -> bool:
         """Whether there is a proof with a certificate."""
         return any(v.holds and v.certificate is not None for v in self.properties.values())
