@@ -171,7 +171,7 @@ EXTRAS = {
     **dict.fromkeys(("scipy", "threadpoolctl", "h5py", "flint", "sympy"), "fit"),
     **dict.fromkeys(("mujoco", "mcap", "mcap_ros2", "rosbags"), "robotics"),
     "ziglang": "fmu",
-    **dict.fromkeys(("control", "jax", "torch"), ""),
+    **dict.fromkeys(("jax", "torch"), ""),
 }  # fmt: skip
 
 

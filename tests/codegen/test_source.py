@@ -9,9 +9,8 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.codegen import source
-from stribeck.laws import BristleLaw, law
+from stribeck.laws import BristleLaw
 from stribeck.laws.form import USUAL
-from stribeck.laws.render import equations
 from stribeck.simulation import compiler, simulate
 from tests.codegen.systems import IDS, VARIANTS, systems
 from tests.machine import machines
@@ -126,41 +125,6 @@ def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
             return v - abs(v) / g(p, v) * z
 
     assert "const real g = " in source(systems(Twice, USUAL)[0])
-
-
-def test_evaluation_beside_builds():
-    """Building code in some threads while another evaluates the same equations on arrays: neither meets the other's names."""
-    result = law("lugre_majorant", parameters="canudas1995", k_v=1e6)
-    v, z = np.linspace(-0.1, 0.1, 500), np.linspace(-1e-5, 1e-5, 500)
-    expected, went_wrong, done = result.force(v, z), [], threading.Event()
-
-    def evaluate():
-        try:
-            while not done.is_set():
-                if not np.array_equal(result.force(v, z), expected):
-                    went_wrong.append("another force")
-        except Exception as error:
-            went_wrong.append(error)
-
-    def build(chosen):
-        try:
-            texts.append([source.__wrapped__(system) for system in systems(type(result), chosen)])
-            equations(type(result), chosen)
-        except Exception as error:
-            went_wrong.append(error)
-
-    alone = [source.__wrapped__(system) for system in systems(type(result), result.form)]
-    texts = []
-    builders = [threading.Thread(target=build, args=(result.form,)) for _ in range(4)]
-    evaluator = threading.Thread(target=evaluate)
-    for thread in (evaluator, *builders):
-        thread.start()
-    for thread in builders:
-        thread.join()
-    done.set()
-    evaluator.join()
-    assert went_wrong == []
-    assert texts == [alone] * 4
 
 
 def named(body, contact):

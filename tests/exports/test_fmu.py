@@ -410,19 +410,6 @@ def test_directional_derivatives(fmi, folder):
     assert slope("der(y)", z=1.0) == 0
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
-@pytest.mark.parametrize("cc", ["gcc", "clang"])
-def test_sources_compile_without_a_warning(fmi, cc, folder):
-    need(cc)
-    for part in ("law", "body"):
-        unpacked = folder / f"sources{fmi}{part}"
-        with zipfile.ZipFile(fmu("lugre_majorant", part, fmi, folder)) as archive:
-            archive.extractall(unpacked)
-        words = [cc, "-c", "-std=c99", "-Wall", "-Wextra", "-Werror", "fmu.c", "-o", "fmu.o"]
-        done = subprocess.run(words, cwd=unpacked / "sources", capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-
-
 _LAYOUT = {
     2: ("fmi2Pending", "fmi2CoSimulation", "fmi2Terminated", "fmi2True", "sizeof(fmi2ValueReference)", "sizeof(fmi2Byte)",
         "sizeof(fmi2CallbackFunctions)", "offsetof(fmi2CallbackFunctions, componentEnvironment)", "sizeof(fmi2EventInfo)",

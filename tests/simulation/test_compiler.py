@@ -6,7 +6,6 @@ import shutil
 import sys
 import time
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -127,15 +126,6 @@ def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
     pytest.fail("it goes on")
 
 
-@needs_compiler
-def test_garbage_in_the_cache_is_not_taken_for_a_library(use, monkeypatch, tmp_path):
-    use(GARBAGE)
-    message("wasm")
-    assert len(message("wasm")) >= 1
-    monkeypatch.delenv("STRIBECK_CC")
-    assert message("c") == []
-
-
 def test_a_compiler_that_builds_another_thing(use, tmp_path):
     real = compiler.find()
     if real is None:
@@ -165,38 +155,6 @@ def test_a_compiler_that_does_not_know_an_option(unknown, use):
     real = " ".join(compiler.find().command)
     use(f'#!/bin/sh\nfor word; do [ "$word" = {unknown} ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n')
     assert message("c") == []
-
-
-def test_copies_of_one_trajectory_are_narrow(use, tmp_path):
-    """Wide ones leave registers in use that libm's older instructions wait for, at every call of exp."""
-    use(f'#!/bin/sh\necho "$@" >> {tmp_path}/words\nexit 1\n')
-    message("wasm")
-    first, second, _ = (tmp_path / "words").read_text().splitlines()
-    assert "-march=native -mmove-max=128 -mstore-max=128" in first
-    assert "-march=native" in second
-    assert "-mmove-max" not in second
-    assert "-mmove-max=128" in compiler.find().key
-    assert "-mmove-max=128" not in compiler.find().for_lanes().key
-
-
-@needs_compiler
-def test_options_stand_behind_the_command(monkeypatch):
-    monkeypatch.setenv("STRIBECK_CC", f"{compiler.find().command[0]} -O1 -DUSELESS")
-    assert compiler.find().command[1:] == ("-O1", "-DUSELESS")
-    assert message("c") == []
-
-
-@needs_compiler
-def test_passes_left_out_for_one_trajectory_change_no_number(monkeypatch, tmp_path):
-    results = [simulate(Scenario(DATA))]
-    monkeypatch.setattr(cache, "_loaded", {})
-    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "other"))
-    with_all = replace(compiler.find(), options=(), extra=())
-    monkeypatch.setattr(compiler, "find", lambda: with_all)
-    results.append(simulate(Scenario(DATA)))
-    assert [solution.stats["built"] for solution in results] == [True, True]
-    scale = np.abs(results[0].states).max(axis=0)
-    np.testing.assert_allclose(*(solution.states / scale for solution in results), rtol=0, atol=1e-6)
 
 
 def test_which_compiler_is_chosen(use, monkeypatch, tmp_path):

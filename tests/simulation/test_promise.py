@@ -11,8 +11,6 @@ import stribeck
 from stribeck.errors import StribeckNote
 from stribeck.simulation import counts
 from stribeck.simulation.ensemble import simulate_ensemble
-from stribeck.simulation.native import finest_scale
-from stribeck.simulation.promise import MeasuredMotion, Promise, Tolerances
 
 NEARLY = {"sigma_0": 1e5, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 
@@ -82,18 +80,6 @@ def test_a_motion_that_was_wrong_agrees_with_extended_precision(path):
     rows = np.rint(expected["t"] / solution.scenario.output.step).astype(int)
     for name, most in (("y", 1e-6), ("v", 1e-6), ("F", 1e-4)):
         assert np.max(abs(solution[name][rows] - expected[name])) <= 0.2 * most * np.max(abs(expected[name])), name
-
-
-def test_an_ordinary_motion_is_solved_once():
-    """No step more than before: the second pass is for motions that need it."""
-    drive = {"kind": "spring", "stiffness": 1e4, "signal": {"kind": "ramp", "rate": 1e-3}}
-    solution = stribeck.simulate(
-        scenario({"name": "lugre_majorant", "k_v": 1e6, "parameters": NEARLY}, drive, t_end=1.0)
-    )
-    promise = Promise(solution.scenario, finest_scale)
-    atol = np.array([[solution.scenario.atol()[state.name] for state in solution.scenario.system.states]])
-    peaks = [*(solution.peaks[name] for name in ("y", "v", "z")), solution.peaks["F"], *[0.0] * 7]
-    assert not promise.missed(Tolerances(atol, np.ones(1)), MeasuredMotion.of(np.array([peaks]), 3)).lanes.any()
 
 
 def test_what_rounding_forbids_is_said():

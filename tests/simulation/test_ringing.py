@@ -10,7 +10,6 @@ import pytest
 from stribeck import Scenario, examples, simulate
 from stribeck.errors import StribeckNote
 from stribeck.machine.sampled import turned
-from stribeck.simulation import native
 from tests.simulation.rig import rig
 
 
@@ -45,26 +44,11 @@ def test_a_contact_that_rings(sigma_1):
     assert off(elastic(sigma_1)) < 1e-6
 
 
-def test_it_was_off_by_more_without_the_tighter_steps(monkeypatch):
-    scenario = elastic(1.0)
-    tight = off(scenario)
-    monkeypatch.setattr(native, "damping_ratio", lambda scenario: float("inf"))
-    assert off(scenario) > 10 * tight
-
-
 def test_what_rounding_forbids_is_said():
     with pytest.warns(StribeckNote, match="hardly damped .damping ratio 0.00063. and rings"):
         simulate(elastic(0.0, 0.1))
     with pytest.warns(StribeckNote, match="solve.rtol: 1e-12: rounding is the larger error below 5e-12"):
         simulate(elastic(316.0, 0.1).with_changes({"solve.rtol": 1e-12}))
-
-
-def test_contacts_that_do_not_ring_take_the_steps_that_they_took():
-    scenario = elastic(316.0)
-    assert native.step_share(scenario) == 0.02
-    assert native.step_share(scenario.with_changes({"solve.rtol": 1e-12})) == pytest.approx(0.1)
-    moved = Scenario(rig("lugre", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0))
-    assert native.damping_ratio(moved) == math.inf
 
 
 def servo(**changes):

@@ -75,22 +75,6 @@ def test_the_lock_of_python_is_free_while_a_simulation_runs(monkeypatch):
     assert longest < 0.5 * (last - begin)
 
 
-def test_threads_agree_with_one_another():
-    tables = [rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": r}, 6.0) for r in (0.1, 0.3)] * 3
-    expected, result = [solved(table)["y"] for table in tables], [None] * len(tables)
-
-    def run(i):
-        result[i] = solved(tables[i])["y"]
-
-    threads = [threading.Thread(target=run, args=(i,)) for i in range(len(tables))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    for one, other in zip(result, expected, strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
 def test_a_result_draws_itself_as_a_figure_of_matplotlib():
     from matplotlib.figure import Figure
 
