@@ -100,7 +100,8 @@ def which_controller(given: str | None, known: Sequence[str]) -> str:
     if given is None and len(known) > 1:
         raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
     if given is not None and given not in known:
-        raise InputError(f"{arg('controller')}: {show(given)}: no such controller{nearest(given, known)}")
+        guess = nearest(given, known) or f" (there is {', '.join(known)})"
+        raise InputError(f"{arg('controller')}: {show(given)}: no such controller{guess}")
     return given or known[0]
 
 

@@ -44,10 +44,6 @@ def design(
             ADVANCED,
         ),
     ] = None,
-    seed: Annotated[
-        int,
-        setting("--seed", "N", "Seed of the random friction samples.", ADVANCED),
-    ] = 0,
 ) -> int:  # fmt: skip
     """Report whether an axis hunts, and by how much.
 
@@ -64,7 +60,7 @@ def design(
         with progress(loaded.name) as share:
             result = judge(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,
-                seed=seed, tell=share,
+                tell=share,
             )  # fmt: skip
         summary = result.to_dict()
         files = [] if out is None else write_design(result, summary, out, command_line())

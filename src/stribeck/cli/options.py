@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import os
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
@@ -15,7 +13,7 @@ from typer.core import TyperCommand
 from typer.models import OptionInfo
 
 import stribeck
-from stribeck.errors import InputError, check_all
+from stribeck.errors import check_all
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
@@ -138,25 +136,6 @@ Undetermined = Annotated[
 ]  # fmt: skip
 
 
-def _solve_by(context: typer.Context, asked: str | None) -> None:
-    if asked is None:
-        return
-    from stribeck.simulation.backend import BACKENDS, VARIABLE
-
-    if asked not in BACKENDS:
-        raise InputError(f"--backend: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
-    before = os.environ.get(VARIABLE, "")
-    os.environ[VARIABLE] = asked  # workers of a sweep take it from there
-    context.call_on_close(partial(os.environ.__setitem__, VARIABLE, before))
-
-
-Backend = Annotated[
-    str | None,
-    typer.Option(
-        "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
-        help="Solver backend: c (needs a compiler), wasm (bit-identical on every processor), auto (default): c with a compiler.",
-    ),
-]  # fmt: skip
 Set = Annotated[
     list[str] | None,
     setting("--set", "PATH=VALUE", "Replace a value, such as law.k_v=1e6; may be repeated."),
@@ -173,7 +152,6 @@ class ScenarioOptions:
     set_: Set = None
     trust: Trust = False
     _undetermined: Undetermined = False
-    _backend: Backend = None
 
     def load(self, *also: Callable[[], object]) -> Scenario:
         """The scenario with every --set applied, after ``also`` has read the texts of other options."""

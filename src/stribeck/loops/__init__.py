@@ -113,7 +113,6 @@ def design(
     uncertainty: str | Path | None = None,
     controller: str | None = None,
     v_max: float | None = None,
-    seed: int = 0,
     tell: Tell | None = None,
 ) -> Design | ServoDesign:
     """Judge a machine's loop: does it hunt, how well does it track, which remedy helps.
@@ -126,7 +125,6 @@ def design(
         uncertainty: a parameters.toml with intervals of the friction parameters; 10 % both ways unless given.
         controller: name of the controller; the first unless given.
         v_max: largest speed of a servo's proof, m/s; twice the peak of its motion unless given.
-        seed: seed of the random friction samples.
         tell: called with the completed share of the present part, and the part's name.
 
     Raises:
@@ -141,12 +139,10 @@ def design(
         return design_servo(scenario, cascade, v_max, tell)
     if v_max is not None:
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
-    if seed < 0:
-        raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
     vary = [scenario.path_in_machine(x) for x in vary]
     loop = loop_of(scenario)
     name, ranges = _controller(loop, controller), _ranges(loop, vary)
-    samples = friction_samples(friction_intervals(loop.scenario, uncertainty), seed)
+    samples = friction_samples(friction_intervals(loop.scenario, uncertainty))
 
     def part(text: str) -> Callable[[float], None]:
         return lambda share: None if tell is None else tell(share, text)

@@ -76,7 +76,7 @@ def _problem(scenario: Scenario, paths: Sequence[str], value: object) -> str | N
     return None
 
 
-def friction_samples(intervals: dict[str, tuple[float, float]], seed: int = 0) -> dict[str, Array]:
+def friction_samples(intervals: dict[str, tuple[float, float]]) -> dict[str, Array]:
     """The samples as one array for each path: the middle, all low, all high, each alone at both ends, and 8 at random."""
     names = list(intervals)
     low, high = (np.array([intervals[n][i] for n in names]) for i in (0, 1))
@@ -87,7 +87,7 @@ def friction_samples(intervals: dict[str, tuple[float, float]], seed: int = 0) -
             row = middle.copy()
             row[i] = end[i]
             rows.append(row)
-    rows += list(low + (high - low) * np.random.default_rng(seed).random((_RANDOM, len(names))))
+    rows += list(low + (high - low) * np.random.default_rng(0).random((_RANDOM, len(names))))
     samples = {n: np.array([row[i] for row in rows]) for i, n in enumerate(names)}
     for path in [n for n in names if n.endswith(".F_s")]:  # at least F_c, as every law requires
         if (other := path[:-3] + "F_c") in samples:
