@@ -1,53 +1,26 @@
-"""Sampling clocks: different rates of files, a rate that changes within a file, and a column from a slower clock."""
+"""Sampling clocks: different rates of files, and a column from a slower clock."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from statistics import median_high
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean
 
 _SAME_STEP = 1e-3  # of the step: files that differ by less share a grid
-_ANOTHER_RATE = 1.5  # ratio of steps: a larger one is another rate, as a lost sample doubles a step
-_WINDOW = 25  # rows: their median step is the rate, even if twelve are wrong
+_WINDOW = 25  # changes of a column: fewer do not show its clock
 _REGULAR = 0.8  # of the changes of a held column are one period apart; a sample of the same value shows no change
 _LATE, _DRIFTS = 1.2, 0.3  # rows, range of the delays of one clock: the most, and from which on the clock drifts
 _KNOWN = 0.8  # rows, range of the delays: with more the sampling times are known to a tenth of a row
 _ENOUGH = 4  # times the fewest rows: samples that make a log
 _HELD = ("position", "velocity", "force")
-
-
-def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> list[dict[str, Array]]:
-    """The columns of a file, split where its sampling rate changes permanently."""
-    time = columns["time"]
-    steps = np.diff(time)
-    if len(steps) < 4 * _WINDOW or not np.all(np.isfinite(steps)):
-        return [columns]
-    count = len(steps) // _WINDOW
-    local = np.median(steps[: count * _WINDOW].reshape(count, _WINDOW), axis=1)
-    if np.any(local <= 0) or float(local.max()) < _ANOTHER_RATE * float(local.min()):
-        return [columns]
-    cuts, middle = [0], float(local[0])
-    for i in range(1, count - 1):
-        if not 1 / _ANOTHER_RATE < local[i] / middle < _ANOTHER_RATE and 1 / 1.1 < local[i + 1] / local[i] < 1.1:
-            around = steps[(i - 1) * _WINDOW : (i + 1) * _WINDOW]  # the row at which it changes
-            new = abs(np.log(np.maximum(around, 1e-300) / local[i])) < abs(np.log(np.maximum(around, 1e-300) / middle))
-            cuts.append((i - 1) * _WINDOW + int(np.argmax(new)) + 1)
-            middle = float(local[i])
-    cuts.append(len(time))
-    parts = [slice(a, b) for a, b in pairwise(cuts) if b - a >= FEWEST]
-    if len(parts) < 2:
-        return [columns]
-    stated = ", ".join(f"{np.median(np.diff(time[p])):.4g} s from {time[p.start]:.4g} s" for p in parts[:4])
-    notes.append(f"{name}: the sampling rate changes within the file (steps: {stated}); each part is a separate run")
-    return [{role: x[p].copy() for role, x in columns.items()} for p in parts]
 
 
 def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool = True) -> dict[str, Array]:
@@ -113,41 +86,40 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
     return changes.astype(float), f"{usual}", False
 
 
-def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
-    """Files of different sampling steps, each resampled from its own clock to the median step."""
+def same_step(step: float, other: float) -> bool:
+    """Whether files with these steps share a grid."""
+    return abs(step - other) <= _SAME_STEP * other
+
+
+def on_one_clock(parts: Sequence[Clean]) -> tuple[list[Clean], float, list[str]]:
+    """Files for a log of one step: without runs that are too short for it, the step, and a note if there are others."""
     step = median_high([p.step for p in parts])  # a file has this step, and its noise determines the cut-off
-    if all(abs(p.step - step) <= _SAME_STEP * step for p in parts):
-        return list(parts)
-    note = (
-        f"the files are sampled at different steps ({', '.join(f'{s:.4g}' for s in sorted({p.step for p in parts})[:6])} s); "
-        f"all were resampled to {step:.4g} s"
-    )
-    out = [p if abs(p.step - step) <= _SAME_STEP * step else _resampled(p, step) for p in parts]
-    return [replace(out[0], notes=[*out[0].notes, note]), *out[1:]]
+    if all(same_step(p.step, step) for p in parts):
+        return list(parts), step, []
+    stated = ", ".join(f"{s:.4g}" for s in sorted({p.step for p in parts})[:6])
+    note = f"the files are sampled at different steps ({stated} s); all were resampled to {step:.4g} s"
+    out = []
+    for p in parts:
+        long = [r for r in p.runs if len(even_times(p.columns["time"][r], step)) >= FEWEST]
+        out.append(replace(p, runs=long, even=p.even and same_step(p.step, step)))
+    return out, step, [note]
 
 
-def _resampled(part: Clean, step: float) -> Clean:
-    """A file at another step: a low-pass filter before a longer step, cubic splines of the motion for a shorter one."""
-    from scipy.interpolate import CubicSpline
+def even_times(time: Array, step: float) -> Array:
+    """An even grid over some times."""
+    return np.asarray(time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1))
 
-    columns: dict[str, list[Array]] = {name: [] for name in part.columns}
-    runs, place = [], 0
-    for rows in part.runs:
-        time = part.columns["time"][rows]
-        even = time[0] + part.step * np.arange(int((time[-1] - time[0]) / part.step * (1 + 1e-12)) + 1)
-        grid = even[0] + step * np.arange(int((even[-1] - even[0]) / step * (1 + 1e-12)) + 1)
-        if len(grid) < FEWEST:
-            continue
-        for name, column in part.columns.items():
-            if name == "time":
-                columns[name].append(grid)
-                continue
-            x = np.interp(even, time, column[rows])
-            if part.step < step / 1.1:
-                x = low_pass(x, HIGHEST / step, part.step)
-            smooth = name in ("position", "velocity") and part.step > step
-            columns[name].append(np.asarray(CubicSpline(even, x)(grid)) if smooth else np.interp(grid, even, x))
-        runs.append(slice(place, place + len(grid)))
-        place += len(grid)
-    joined = {name: np.concatenate(x) if x else np.empty(0) for name, x in columns.items()}
-    return Clean(joined, runs, step, True, part.notes, resampled=True)
+
+def resampled(role: str, time: Array, x: Array, own: float, grid: Array) -> Array:
+    """A column on an even grid; ``own``: its step.
+
+    To a longer step it passes a low-pass filter, and the motion to a shorter one a cubic spline.
+    """
+    step = float(grid[-1] - grid[0]) / (len(grid) - 1)
+    if same_step(own, step):
+        return np.asarray(np.interp(grid, time, x))
+    even = even_times(time, own)
+    x = np.interp(even, time, x)
+    if own < step:
+        return np.asarray(np.interp(grid, even, low_pass(x, HIGHEST / step, own) if own < step / 1.1 else x))
+    return np.asarray(CubicSpline(even, x)(grid) if role in ("position", "velocity") else np.interp(grid, even, x))

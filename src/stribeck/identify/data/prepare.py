@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
-from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
+from stribeck.identify.data.clocks import even_times, on_one_clock, released, resampled, same_step
 from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped, unwrapping_note
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
@@ -46,7 +46,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         InputError: a file cannot be read or used; a line for each problem.
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
-    cleaned, owners, rotary, how = [], [], list[bool](), how or Preparation()
+    cleaned, rotary, how = [], list[bool](), how or Preparation()
     for each, name in zip(sources, names, strict=True):
         source = opened(each)
         named = named_in(source, columns)
@@ -56,28 +56,25 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
             kinds = {True: "rotary", False: "linear"}
             text = f"{name}: its units are {kinds[rotary[-1]]}, those of {names[0]} are {kinds[rotary[0]]}; must agree"
             raise InputError(f"{arg('units')}: {text}")
-        notes: list[str] = []
-        for part in steady_stretches(read_named(source, named), name, notes):
-            if rotary[-1] and "position" in part:
-                part["position"], turns = unwrapped(part["time"], part["position"])
-                notes += [f"{name}: position: {text}" for text in unwrapping_note(turns)]
-            own_samples = released(part, name, notes, how.simulated)
-            if len(own_samples["time"]) < len(part["time"]):  # the published procedure needs all recorded rows
-                how = replace(how, published=False)
-            cleaned_part = clean(own_samples, name)
-            cleaned.append(replace(cleaned_part, notes=[*notes, *cleaned_part.notes]))
-            owners.append(name)
-            notes = []
+        part, notes = read_named(source, named), list[str]()
+        if rotary[-1] and "position" in part:
+            part["position"], turns = unwrapped(part["time"], part["position"])
+            notes += [f"{name}: position: {text}" for text in unwrapping_note(turns)]
+        own_samples = released(part, name, notes, how.simulated)
+        if len(own_samples["time"]) < len(part["time"]):  # the published procedure needs all recorded rows
+            how = replace(how, published=False)
+        part_cleaned = clean(own_samples, name)
+        cleaned.append(replace(part_cleaned, notes=[*notes, *part_cleaned.notes]))
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
-    log = prepare(on_one_clock(cleaned), how, owners)
+    log = prepare(cleaned, how, names)
     return log.with_columns(hashes=hashes if len(hashes) == len(sources) else (), rotary=rotary[0])
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
     """One log from cleaned columns."""
-    step = parts[0].step
+    parts, step, notes = on_one_clock(parts)
     roles = list(parts[0].columns)
-    notes = [note for part in parts for note in part.notes]
+    notes = [*(note for part in parts for note in part.notes), *notes]
     measured = "position" if "position" in roles else "velocity"
     samples = _samples(parts, measured, step)
     smoother = likeliest(samples, step)
@@ -189,7 +186,7 @@ _MOTION = ("time", "position", "velocity", "acceleration")
 def _grid(part: Clean, rows: slice, step: float) -> Array:
     """The times of a run, as measured if they are even, or else on an even grid."""
     time = part.columns["time"][rows]
-    return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
+    return time if part.even else even_times(time, step)
 
 
 def _run(
@@ -199,7 +196,7 @@ def _run(
     signals = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
-            signals[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+            signals[name] = column[rows] if part.even else resampled(name, time, column[rows], part.step, grid)
     signals["unfiltered"] = signals[measured]
     for name in ("position", "velocity", "acceleration"):
         if name in signals and cutoff > 0:
@@ -226,10 +223,10 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
 def _samples(parts: Sequence[Clean], measured: str, step: float) -> list[Array]:
     """The measured motion of each run, or its first rows, at even steps.
 
-    Files that were resampled to the step of others are left out, because their noise is filtered.
+    Files of another step are left out, because resampling filters their noise.
     """
     out = []
-    for part in [p for p in parts if not p.resampled] or parts:
+    for part in (p for p in parts if same_step(p.step, step)):
         for run in part.runs:
             rows = slice(run.start, min(run.stop, run.start + LOOK))
             x = part.columns[measured][rows]

@@ -42,7 +42,6 @@ class Clean:
         step: between samples, s.
         even: whether the samples are evenly spaced.
         notes: sentences for the user about faults and repairs.
-        resampled: whether the file has the step of other files; its noise is then the filter's.
     """
 
     columns: dict[str, Array]
@@ -50,7 +49,6 @@ class Clean:
     step: float
     even: bool
     notes: list[str]
-    resampled: bool = False
 
 
 def clean(columns: dict[str, Array], number: str) -> Clean:
