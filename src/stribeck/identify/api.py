@@ -57,7 +57,8 @@ def fit(
         mass: mass, kg (rotary: kg m^2); fitted unless given.
         method: "static" (coulomb_viscous, stribeck, stribeck_tanh) or "dynamic" (by simulation, any law); static unless
             given where the law can be.
-        constants: given constants of the law (``k_v`` or any other), and given terms.
+        constants: given constants of the law (``k_v`` or any other), and given terms. With a given F_c or F_s the fit is by
+            simulation.
         free: constants with a default that are fitted too (``k_v``).
         terms: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
         forms: whether a static fit may add forms for effects that the law lacks.

@@ -16,6 +16,7 @@ from stribeck.identify.models.terms import TERMS, problem
 
 METHODS = ("static", "dynamic")
 FILTERS = ("published",)
+LEVELS = {"F_c", "F_s"}  # of a law: where one is given, the law is fitted by simulation
 LOOSEST = 0.5  # of a number: a wider range is not narrow to anybody
 OUTPUTS = ("force", "position", "velocity")  # what a simulation is to meet
 
@@ -91,8 +92,8 @@ class FitOptions:
         return replace(self, constants=constants, free=tuple(n for n in self.free if n in own), unknown=unknown)
 
     def method_for(self, law: type[laws.Law]) -> str:
-        """The method asked for, or what suits the law."""
-        return self.method or ("static" if law.name in LAWS else "dynamic")
+        """The method asked for, or what suits the law and the given constants."""
+        return self.method or ("static" if law.name in LAWS and not LEVELS & self.constants.keys() else "dynamic")
 
     def check(self, names: Sequence[str]) -> None:
         """Refuse what these laws, or one of them, cannot be asked for.
@@ -137,6 +138,9 @@ class FitOptions:
             ]
         elif kind.name not in LAWS:
             problems.append(f"{arg('method')}: 'static': has {', '.join(LAWS)}; law '{law}' is fitted by simulation")
+        elif held := sorted(LEVELS & self.constants.keys()):
+            text = f"a static fit estimates it; must be fitted, or {arg('method')} be dynamic"
+            problems += [f"{arg(f'constants.{n}')}: {text}" for n in held]
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
             problems += [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]

@@ -184,7 +184,7 @@ def regressed(
     gram = gram + columns[block < 0].T @ columns[block < 0] / len(gram)  # priors belong to every block
     measured = [(t.x - t.x.mean()) / problem.noise[t.column] for _, t, _ in problem.pieces]
     lib = MachineLibrary(
-        columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
+        columns=columns, gram=gram, groups=groups, starts=[1], natural=[1.0] * columns.shape[1],
         sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=problem.whitened(np.concatenate(measured)),
         unit=unit, J=J, drawn=drawn,
         left=left_step(problem, u, r, J)[asked],

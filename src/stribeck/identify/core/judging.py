@@ -90,10 +90,10 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     errors of the measured inputs, and the spread between files, are two more if present.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
-    i, target = lib.index(model), lib.targets[model[0]]
+    i = lib.index(model)
     total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
     gram, rows = total[np.ix_(i, i)], len(r)
-    blocks = _jackknife(lib, lib.gram, i, target, slope)
+    blocks = _jackknife(lib, lib.gram, i, slope)
     natural = np.array(lib.natural)[i]
     moved = np.diag(gram) / natural
     prior = np.diag(np.maximum(moved, 1e-12 * np.max(moved)) * natural) / rows / lib.largest**2
@@ -105,15 +105,15 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
     if len(files) > 1:  # the interval must cover another run
-        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(lib, files, i, target, slope))
+        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(lib, files, i, slope))
     return np.asarray(out)
 
 
-def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope: Array) -> Array:
+def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], slope: Array) -> Array:
     """Standard errors of the estimates by the jackknife: each part is left out once."""
     total, count, natural = gram.sum(0), len(gram), np.array(lib.natural)[i]
     left = [total - g for g in gram]
-    left_out = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, target]) for g in left])
+    left_out = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, 0]) for g in left])
     return np.asarray(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(axis=0)) ** 2, axis=0)))
 
 

@@ -32,9 +32,9 @@ class ModelLibrary(ABC):
     """Models of one law on one record: the interface for search, choice and judging.
 
     Attributes:
-        columns, gram: (rows, p); (blocks, p, p).
+        columns, gram: (rows, p), the target first; (blocks, p, p).
         groups: columns of each form.
-        targets: the target column of each node's models; ``starts``: the first of the node's ``k`` columns.
+        starts: the first of the ``k`` columns of each node.
         natural: the mean square of a column by its unit, the scale relative to which it may count as 0.
         drawn: changes of the rows by known measurement errors (draws, rows), for each source of errors.
         models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
@@ -43,7 +43,6 @@ class ModelLibrary(ABC):
     columns: Array
     gram: Array
     groups: dict[str, list[int]]
-    targets: list[int] = field(default_factory=list)
     starts: list[int] = field(default_factory=list)
     natural: list[float] = field(default_factory=list)
     drawn: list[Array] = field(default_factory=list)
@@ -117,12 +116,11 @@ class ModelLibrary(ABC):
         self.count = np.array([len(r) for r in rows])
         self._at = np.array([r + [0] * (width - len(r)) for r in rows])
         self._there = np.arange(width)[None] < self.count[:, None]
-        self._target = np.array([self.targets[s] for s, _ in models])
         self.kinds = np.array([[g in c for g in self.groups] for _, c in models]).reshape(len(models), len(self.groups))
 
     def solve(self, gram: Array) -> tuple[Array, Array]:
         """Coefficients and squared residual of every model, with a penalty for impossible coefficients."""
-        i, t, target = self._at, self._there, self._target
+        i, t, force = self._at, self._there, gram[0, 0]
         a = gram[i[:, :, None], i[:, None, :]] * (t[:, :, None] & t[:, None, :])
         diag = np.einsum("mii->mi", a)
         moved = diag / np.array(self.natural)[i]
@@ -130,9 +128,8 @@ class ModelLibrary(ABC):
         d = np.where(seen, np.sqrt(np.maximum(diag, 1e-300)), 1.0)
         a = np.where(seen[:, :, None] & seen[:, None, :], a, 0.0) / d[:, :, None] / d[:, None, :]
         a[:, np.arange(i.shape[1]), np.arange(i.shape[1])] = 1 + RIDGE
-        b = gram[i, target[:, None]] * seen / d
+        b = gram[i, 0] * seen / d
         x = np.linalg.solve(a, b[..., None])[..., 0]
-        force = gram[target, target]
         sse = np.maximum(force - np.einsum("mi,mi->m", x, b), 1e-12 * force)
         return x / d, sse * self.fault(x / d)
 
@@ -144,4 +141,4 @@ class ModelLibrary(ABC):
     def residual(self, model: Model, x: Array) -> Array:
         """The residual of a model by row."""
         i = self.index(model)
-        return self.columns[:, self.targets[model[0]]] - self.columns[:, i] @ x[: len(i)]
+        return self.columns[:, 0] - self.columns[:, i] @ x[: len(i)]

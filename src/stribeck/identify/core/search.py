@@ -40,19 +40,19 @@ def _try_beside(
     tried: dict[frozenset[str], tuple[float, tuple[str, ...]]],
 ) -> None:  # fmt: skip
     """The squared residual of one set of forms at all nodes, and of this set with each other form that is allowed added."""
-    nodes, target = range(len(lib.starts)), np.array(lib.targets)
+    nodes = range(len(lib.starts))
     a_i = np.array([lib.index((s, chosen)) for s in nodes])
     rest = {g: lib.groups[g] for g in allowed if g not in chosen}
     b_i = np.array([i for members in rest.values() for i in members], dtype=int)
     a = total[a_i[:, :, None], a_i[:, None, :]]
     d = np.sqrt(np.maximum(np.einsum("mii->mi", a), 1e-300))
-    to_force = total[a_i, target[:, None]]
+    to_force = total[a_i, 0]
     b = np.concatenate([total[a_i[:, :, None], b_i[None, None]], to_force[:, :, None]], axis=2) / d[:, :, None]
     y = np.linalg.solve(a / d[:, :, None] / d[:, None, :] + RIDGE * np.eye(a_i.shape[1]), b)
-    force, diag = total[target, target], np.diag(total)[b_i]
+    force, diag = total[0, 0], np.diag(total)[b_i]
     sse = np.maximum(force - np.einsum("mi,mi->m", b[:, :, -1], y[:, :, -1]), 1e-12 * force)
     left = diag - np.einsum("mij,mij->mj", b[:, :, :-1], y[:, :, :-1])
-    share = total[b_i[None, :], target[:, None]] - np.einsum("mi,mij->mj", b[:, :, -1], y[:, :, :-1])
+    share = total[b_i, 0] - np.einsum("mi,mij->mj", b[:, :, -1], y[:, :, :-1])
     fault = lib.fault(y[:, :, -1] / d)
     for s in nodes:
         met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)

@@ -226,8 +226,6 @@ def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i = lib.index(choice.model)
     friction = lib.columns[:, i[: lib.k]] @ x[: lib.k]
-    known = lib.law.known(lib.nodes[choice.model[0]])
-    friction = friction if known is None else friction + known
     for j, name in enumerate(lib.body, lib.k):
         if name == "sigma_2" or TERMS[name].level or TERMS[name].friction:
             friction = friction + lib.columns[:, i[j]] * x[j]

@@ -25,7 +25,7 @@ ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a sha
 class SteadyCurve:
     """Coulomb's level, with a Stribeck rise or without, and a sign that is exact or smooth; viscous friction is beside it.
 
-    Columns are F_c and the rise F_s - F_c, as these hardly correlate; F_s itself if F_c is given.
+    Columns are F_c and the rise F_s - F_c, as these hardly correlate.
 
     Attributes:
         law: its name; ``given``: constants that are given; ``free``: constants with a default that are fitted.
@@ -57,26 +57,11 @@ class SteadyCurve:
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
         """The columns of the coefficients."""
         sign = self.sign(v, shape)
-        if not self.rises:
-            return {} if "F_c" in self.given else {"F_c": sign}
-        bump, held = sign * self.rise(v, shape), {"F_c", "F_s"} & self.given.keys()
-        if held:
-            return {} if len(held) == 2 else {"F_s": bump} if "F_c" in held else {"F_c": sign - bump}
-        return {"F_c": sign, "rise": bump}
-
-    def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
-        """The force of given levels, or None."""
-        if not {"F_c", "F_s"} & self.given.keys():
-            return None
-        sign = self.sign(v, shape)
-        bump = sign * self.rise(v, shape) if self.rises else 0.0
-        return np.asarray(self.given.get("F_c", 0.0) * (sign - bump) + self.given.get("F_s", 0.0) * bump)
+        return {"F_c": sign} | ({"rise": sign * self.rise(v, shape)} if self.rises else {})
 
     def force(self, v: Array, shape: Mapping[str, float], c: Mapping[str, float]) -> Array:
         """The friction, without what is viscous."""
-        known = self.known(v, shape)
-        out = np.zeros(len(v)) if known is None else known
-        return np.asarray(sum((c[n] * x for n, x in self.columns(v, shape).items()), out))
+        return np.asarray(sum(c[n] * x for n, x in self.columns(v, shape).items()))
 
     def slopes(self, v: Array, shape: Mapping[str, float], c: Mapping[str, float]) -> list[Array]:
         """Of the friction by the logarithm of each shape."""
@@ -99,8 +84,8 @@ class SteadyCurve:
         Args:
             bends: what forms add to the level at ``v``.
         """
-        out = {n: c[n] for n in ("F_c", "F_s") if n in c}
-        if "rise" in c:
+        out = {"F_c": c["F_c"]}
+        if self.rises:
             out["F_s"] = max(float((c["F_c"] + c["rise"] * self.rise(v, shape) + bends).max()), 0.0)
         return out | dict(shape)
 
@@ -112,12 +97,9 @@ class SteadyCurve:
 
     def fault(self, x: Mapping[str, Array], fast: float, largest: float) -> Array:
         """A factor on the squared residual of coefficients that cannot be."""
-        out = np.ones(len(next(iter(x.values()))))
-        size = np.full(len(out), largest)
-        if self.names:
-            heights = np.array([x[n] for n in self.names])
-            size = abs(heights[0])
-            out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, out)
+        heights = np.array([x[n] for n in self.names])
+        size = abs(heights[0])
+        out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, 1.0)
         for n in self.names[1:]:
             out = np.where(x[n] < 0, out * WRONG, out)
         if "sigma_2" in x:
@@ -126,7 +108,7 @@ class SteadyCurve:
 
     def possible(self, c: Sequence[float], largest: float) -> bool:
         """Whether a law has such coefficients."""
-        return not len(c) or (c[0] > 0 and max(map(abs, c)) <= HIGHEST * largest)
+        return c[0] > 0 and max(map(abs, c)) <= HIGHEST * largest
 
     def anchored(self, c: Sequence[float], least: float = ANCHORED) -> dict[str, float]:
         """Coefficients with which slopes are taken: none of them 0."""
@@ -139,6 +121,5 @@ class SteadyCurve:
         """
         if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * estimates["v_s"].value:
             return estimates
-        levels = [slow, estimates["F_c"]] if "F_c" in estimates else [slow]  # never below F_c
-        F_s, v_s = one_sided(estimates["F_s"], estimates["v_s"], levels)
+        F_s, v_s = one_sided(estimates["F_s"], estimates["v_s"], [slow, estimates["F_c"]])  # never below F_c
         return estimates | {"F_s": F_s, "v_s": v_s}

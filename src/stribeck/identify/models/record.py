@@ -173,19 +173,13 @@ class LawColumns:
         key = tuple(shape.values())
         if key not in self._made:
             by_name = self.curve.columns(self._velocity, shape)
-            columns = [self._reduce(by_name[n]) for n in self.curve.names]
-            self._made[key] = np.column_stack(columns or [self._reduce(self._velocity)[:, None][:, :0]])
+            self._made[key] = np.column_stack([self._reduce(by_name[n]) for n in self.curve.names])
         return self._made[key]
 
     def with_slopes(self, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
         """The same, then the slopes by the logarithm of each shape."""
         slopes = map(self._reduce, self.curve.slopes(self._velocity, shape, height))
         return np.column_stack([self.at(shape), *slopes])
-
-    def known(self, shape: Mapping[str, float]) -> Array | None:
-        """The force of the law's given constants."""
-        known = self.curve.known(self._velocity, shape)
-        return None if known is None else self._reduce(known)
 
 
 @dataclass(frozen=True)

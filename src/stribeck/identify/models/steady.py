@@ -123,12 +123,10 @@ class SteadyLibrary(ModelLibrary):
         """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
         blocks, place = [], self.columns.shape[1]
         for shape, height in zip(shapes, heights, strict=True):
-            columns, known = self.law.with_slopes(shape, height), self.law.known(shape)
-            self.targets.append(0 if known is None else place + columns.shape[1])
             self.starts.append(place)
-            level = max((x * x for x in height.values()), default=1.0)
-            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
-            blocks.append(columns if known is None else np.column_stack([columns, self.columns[:, 0] - known]))
+            level = max(x * x for x in height.values())
+            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step)
+            blocks.append(self.law.with_slopes(shape, height))
             place += blocks[-1].shape[1]
         new = np.column_stack(blocks)
         both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
@@ -207,42 +205,36 @@ def optimum(
     def beside(a: Array) -> Array:
         return np.asarray(a - basis @ (basis.T @ a))
 
-    def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
+    def solved(columns: Array) -> tuple[Array, float]:
         """The law's coefficients and the squared residual, with the coefficients of ``rest`` eliminated."""
         d = _sizes(columns)
-        left, target = beside(columns / d), beside(_target(law, at, force))
+        left = beside(columns / d)
         left[:, _sizes(left) < RANK] = 0.0  # in the span of the others
-        x = np.linalg.lstsq(left, target, rcond=RANK)[0] if len(d) else np.zeros(0)
+        x = np.linalg.lstsq(left, target, rcond=RANK)[0]
         r = target - left @ x
         return x / d, float(r @ r)
 
-    n, shape = len(law.curve.names), dict(shape)
-    x, sse = solved(law.at(shape), shape)
+    n, shape, target = len(law.curve.names), dict(shape), beside(force)
+    x, sse = solved(law.at(shape))
     for _ in range(STEPS if shape else 0):
         height = dict(zip(law.curve.names, x.tolist(), strict=False))
-        z, _ = solved(law.with_slopes(shape, height), shape)
+        z, _ = solved(law.with_slopes(shape, height))
         step, before = np.clip(z[n : n + len(shape)], -1.0, 1.0), sse
         for part in SHORTER:
             other = {m: s * float(np.exp(part * e)) for (m, s), e in zip(shape.items(), step.tolist(), strict=True)}
-            y, remaining = solved(law.at(other), other)
+            y, remaining = solved(law.at(other))
             if remaining < sse:
                 shape, x, sse = other, y, remaining
                 break
         if sse > before * (1 - LITTLE):
             break
-    further = back.T @ (basis.T @ (_target(law, shape, force) - law.at(shape) @ x)) / size
+    further = back.T @ (basis.T @ (force - law.at(shape) @ x)) / size
     return shape, np.concatenate([x, further]), sse
 
 
 def _sizes(columns: Array) -> Array:
     """The norm of each column."""
     return np.asarray(np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300))
-
-
-def _target(law: LawColumns, shape: Mapping[str, float], force: Array) -> Array:
-    """The force less that of the law's given constants."""
-    known = law.known(shape)
-    return force if known is None else force - known
 
 
 def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> SteadyLibrary:
@@ -276,19 +268,20 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
 
 def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
     """Coefficients of the law alone, and the squared residual with a penalty for impossible coefficients."""
-    curve, a, target = law.curve, np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
-    x = np.linalg.lstsq(a, target, rcond=RANK)[0]
-    r = target - a @ x
+    curve, a = law.curve, np.column_stack([law.at(shape), body])
+    x = np.linalg.lstsq(a, record.force, rcond=RANK)[0]
+    r = record.force - a @ x
     coefficients = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
-    fault = float(curve.fault(coefficients, 0.0, float(np.max(abs(record.force))))[0]) if coefficients else 1.0
-    return np.asarray(x, float), float(r @ r) * fault
+    return np.asarray(x, float), float(r @ r) * float(
+        curve.fault(coefficients, 0.0, float(np.max(abs(record.force))))[0]
+    )
 
 
 def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
     """Whether the optimum of the law alone is possible, and so may define the forms."""
     n = len(curve.names)
     inside = all(ranges[m][0] / ROOM < s < ROOM * ranges[m][1] for m, s in shape.items())
-    return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
+    return inside and bool(x[0] > 0 and x[:n].min() >= 0)
 
 
 def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
@@ -336,18 +329,18 @@ def anchor(
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     seen = seen_speeds(abs(v[record.at]))
-    columns, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
+    columns = np.column_stack([law.at(shape), body])
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = coefficients.get("offset", 0.0)
     y, carried = record.column(log.position), {"": offset}
     if placed and "offset" in record.body:  # the offset, and a weight by position
         a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
-        z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
+        z = np.linalg.lstsq(a, record.force, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
     at = Anchor(curve, shape, coefficients, fast, travel(log), log.step, turns, placed, (*seen, *speeds), carried)
     if (between := ripple_range(log, record.q)) is None:
         return at
-    residual, side = target - columns @ x, np.sign(record.column(v))
+    residual, side = record.force - columns @ x, np.sign(record.column(v))
     of_level = tuple(ripple_waves(y, residual * side, *between, 1))
     return replace(at, waves=tuple(ripple_waves(y, residual, *between, 2)), level_waves=of_level)
 
