@@ -9,9 +9,12 @@ The format: https://webassembly.github.io/spec/core/binary/
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
+from typing import TypeVar
+
+Entry = TypeVar("Entry")
 
 I32, F64 = 0x7F, 0x7C
 KIND = {"i": I32, "d": F64}
@@ -155,119 +158,72 @@ class _Reader:
 _TYPES, _IMPORTS, _FUNCTIONS, _GLOBALS, _EXPORTS, _CODE = 1, 2, 3, 6, 7, 10  # numbers of sections
 
 
-@dataclass
 class Module:
-    """A module parsed as far as joining needs it."""
+    """A module that imports functions alone, parsed as far as joining needs it.
 
-    sections: list[tuple[int, bytes]]  # number and content
-    types: list[bytes]  # entries of the type section
-    imports: list[str]  # names of imported functions, in order
-    type_of: list[int]  # type index of each of its own functions
-    bodies: list[bytes]  # entries of the code section
-    exported: dict[str, int]  # index of each exported function
+    Attributes:
+        imports: names of the imported functions, in order.
+        exported: index of each exported function.
+    """
 
-    @classmethod
-    def parse(cls, data: bytes) -> Module:
-        """Parse a module that imports functions alone."""
-        reader, sections = _Reader(data), list[tuple[int, bytes]]()
+    def __init__(self, data: bytes) -> None:
+        reader = _Reader(data)
         reader.place = 8  # behind the mark and the version
+        self._sections = list[tuple[int, bytes]]()  # number and content
         while reader.place < len(data):
             kind = reader.take(1)[0]
-            sections.append((kind, reader.take(reader.leb())))
-        by_kind = dict(sections)
-        exports = _exports(by_kind[_EXPORTS])
-        return cls(
-            sections, _types(by_kind[_TYPES]), _imports(by_kind.get(_IMPORTS, b"\0")),
-            _numbers(by_kind[_FUNCTIONS]), _bodies(by_kind[_CODE]), exports,
-        )  # fmt: skip
+            self._sections.append((kind, reader.take(reader.leb())))
+        self._by_kind = dict(self._sections)
+        self.imports = self._entries(_IMPORTS, _import)
+        self._exports = self._entries(_EXPORTS, lambda r: (r.name(), r.take(1)[0], r.leb()))
+        self.exported = {name: index for name, kind, index in self._exports if kind == 0}
+
+    def _entries(self, section: int, read: Callable[[_Reader], Entry]) -> list[Entry]:
+        """The entries of a section's list."""
+        reader = _Reader(self._by_kind[section])
+        return [read(reader) for _ in range(reader.leb())]
 
     def constant(self, name: str) -> int:
-        """The value of an exported global of i32."""
-        by_kind = dict(self.sections)
-        return _constants(by_kind[_GLOBALS])[_exports(by_kind[_EXPORTS], 3)[name]]
+        """The value of an exported global; all of them are addresses, hence i32 and not negative."""
+        (index,) = (index for exported, kind, index in self._exports if (exported, kind) == (name, 3))
+        return self._entries(_GLOBALS, _global)[index]
+
+    def _with(self, section: int, before: Sequence[bytes], after: Sequence[bytes]) -> bytes:
+        """A section's list with further entries."""
+        reader = _Reader(self._by_kind[section])
+        count = reader.leb() + len(before) + len(after)
+        return leb(count) + b"".join(before) + self._by_kind[section][reader.place :] + b"".join(after)
 
     def joined(self, functions: Mapping[str, Function], added: Mapping[str, Function]) -> bytes:
         """This module with its imports replaced by ``functions``, and with further exported functions ``added``."""
-        types = list(self.types)
-        place = {t: i for i, t in reversed(list(enumerate(types)))}
-        for function in (*functions.values(), *added.values()):
-            t = function.type()
-            if t not in place:
-                place[t] = len(types)
-                types.append(t)
-        type_indices = [place[functions[name].type()] for name in self.imports]
-        first = len(self.imports) + len(self.bodies)  # the index of the first added function
+        begin, end = [functions[name] for name in self.imports], list(added.values())
+        types_before, own = (_Reader(self._by_kind[section]).leb() for section in (_TYPES, _FUNCTIONS))
+        types = list(dict.fromkeys(f.type() for f in (*begin, *end)))
+        first = len(begin) + own  # the index of the first added function
         exports = [leb(len(n.encode())) + n.encode() + b"\0" + leb(first + i) for i, n in enumerate(added)]
+        indices = [[leb(types_before + types.index(f.type())) for f in part] for part in (begin, end)]
         new = {
-            _TYPES: vector(types),
-            _FUNCTIONS: vector(
-                [leb(t) for t in (*type_indices, *self.type_of, *(place[f.type()] for f in added.values()))]
-            ),
-            _EXPORTS: _extended(dict(self.sections)[_EXPORTS], exports),
-            _CODE: vector(
-                [*(functions[name].body() for name in self.imports), *self.bodies, *(f.body() for f in added.values())]
-            ),
+            _TYPES: self._with(_TYPES, [], types),
+            _FUNCTIONS: self._with(_FUNCTIONS, *indices),
+            _EXPORTS: self._with(_EXPORTS, [], exports),
+            _CODE: self._with(_CODE, [f.body() for f in begin], [f.body() for f in end]),
         }
-        parts = [(kind, new.get(kind, content)) for kind, content in self.sections if kind != _IMPORTS]
+        parts = [(kind, new.get(kind, content)) for kind, content in self._sections if kind != _IMPORTS]
         return b"\0asm\1\0\0\0" + b"".join(bytes([kind]) + leb(len(x)) + x for kind, x in parts)
 
 
-def _extended(section: bytes, entries: Sequence[bytes]) -> bytes:
-    """A section's list with further entries."""
-    r = _Reader(section)
-    return leb(r.leb() + len(entries)) + section[r.place :] + b"".join(entries)
+def _import(r: _Reader) -> str:
+    """The name of an imported function."""
+    r.name()  # of its module
+    name = r.name()
+    r.take(1)  # a function
+    r.leb()  # its type
+    return name
 
 
-def _types(section: bytes) -> list[bytes]:
-    r, types = _Reader(section), list[bytes]()
-    for _ in range(r.leb()):
-        begin = r.place
-        r.take(1)
-        r.take(r.leb())
-        r.take(r.leb())
-        types.append(section[begin : r.place])
-    return types
-
-
-def _imports(section: bytes) -> list[str]:
-    r, names = _Reader(section), list[str]()
-    for _ in range(r.leb()):
-        r.name()
-        names.append(r.name())
-        r.take(1)  # a function
-        r.leb()
-    return names
-
-
-def _numbers(section: bytes) -> list[int]:
-    r = _Reader(section)
-    return [r.leb() for _ in range(r.leb())]
-
-
-def _bodies(section: bytes) -> list[bytes]:
-    r, bodies = _Reader(section), list[bytes]()
-    for _ in range(r.leb()):
-        begin = r.place
-        r.take(r.leb())
-        bodies.append(section[begin : r.place])
-    return bodies
-
-
-def _exports(section: bytes, wanted: int = 0) -> dict[str, int]:
-    """Indices of the exports of a kind, functions unless given."""
-    r, exports = _Reader(section), dict[str, int]()
-    for _ in range(r.leb()):
-        name, kind, index = r.name(), r.take(1)[0], r.leb()
-        if kind == wanted:
-            exports[name] = index
-    return exports
-
-
-def _constants(section: bytes) -> list[int]:
-    """Initial values of the globals, all of them i32."""
-    r, values = _Reader(section), list[int]()
-    for _ in range(r.leb()):
-        r.take(3)  # type, mutability, i32.const
-        values.append(r.leb())  # addresses: never negative
-        r.take(1)
-    return values
+def _global(r: _Reader) -> int:
+    """The initial value of a global."""
+    r.take(3)  # type, mutability, i32.const
+    value = r.leb()
+    r.take(1)  # the end of the expression
+    return value

@@ -50,7 +50,7 @@ class System:
 
 @lru_cache(maxsize=1)
 def _runtime() -> Module:
-    return Module.parse(files("stribeck.codegen.runtime").joinpath("runtime.wasm").read_bytes())
+    return Module(files("stribeck.codegen.runtime").joinpath("runtime.wasm").read_bytes())
 
 
 @lru_cache(maxsize=64)
