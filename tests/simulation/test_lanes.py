@@ -126,7 +126,9 @@ def test_one_vector_and_several_by_turns_make_the_same_bits():
         loaded.stribeck_solve_batch(ctypes.byref(built.batch))
         result.append(lanes.outcome(built))
     assert np.all(np.isfinite(result[0].states))
-    assert len({x.digest for x in result}) == 1
+    for other in result[1:]:
+        np.testing.assert_array_equal(other.states, result[0].states)
+        np.testing.assert_array_equal(other.counts["accepted"], result[0].counts["accepted"])
 
 
 def test_a_library_of_another_kind_is_refused():

@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_int64
 from dataclasses import dataclass
-from hashlib import sha256
 from threading import Event, Thread
 from typing import Any
 
@@ -57,14 +56,6 @@ class Outcome:
     counts: dict[str, Integers]
     largest: Array
     inaccurate: NDArray[np.bool_]
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of all bits of the results."""
-        digest = sha256()
-        for x in (self.states, self.t_reached, *(self.counts[name] for name in _COUNTS)):
-            digest.update(np.ascontiguousarray(x).tobytes())
-        return digest.hexdigest()
 
     def put(self, places: Integers, other: Outcome, which: NDArray[np.bool_]) -> None:
         """Replace the lanes ``places`` by the lanes ``which`` of another outcome."""
