@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import groupby
 
 from stribeck.constants import Column
@@ -85,12 +86,17 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
         conditions.append({"key": path, "allowed": each.allowed, "path": path})
     return {
         "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
-        "parameters": [".".join(each) for each in machine.parameters], "states": [s.name for s in machine.states],
-        "columns": [
-            {"name": c.name, "unit": printable(c.unit), "meaning": unbroken(c.meaning)} for c in machine.columns
-        ],
-        "relations": conditions, "conditions": {}, "equations": [],
+        **structure(machine, machine.columns), "relations": conditions, "conditions": {}, "equations": [],
     }  # fmt: skip
+
+
+def structure(system: MachineSystem, columns: Iterable[Column]) -> dict[str, object]:
+    """Names of parameters, states and columns, in the order of the module's."""
+    return {
+        "parameters": [".".join(each) for each in system.parameters],
+        "states": [state.name for state in system.states],
+        "columns": [{"name": c.name, "unit": printable(c.unit), "meaning": unbroken(c.meaning)} for c in columns],
+    }
 
 
 def _path(scenario: Scenario, law: str, key: str) -> str:

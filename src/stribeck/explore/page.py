@@ -14,7 +14,7 @@ from pathlib import Path
 from stribeck.errors import InputError, arg, needed, printable, unbroken
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import Chart, figures, panels
-from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
+from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections, structure
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
 from stribeck.explore.variants import measured_whole, variants
@@ -146,11 +146,7 @@ def _law(scenario: Scenario, module: System) -> dict[str, object]:
         "about": unbroken(f"{kind.__doc__ or ''} {kind.source}"),
         "table": _plain(law.to_dict()),
         "numbers": [{**n.as_data(), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)],
-        "parameters": [".".join(each) for each in system.parameters],
-        "states": [state.name for state in system.states],
-        "columns": [
-            {"name": c.name, "unit": printable(c.unit), "meaning": unbroken(c.meaning)} for c in columns(system)
-        ],
+        **structure(system, columns(system)),
         "relations": needs,
         "conditions": conditions,
         "equations": [printable(each.text) for each in equations(kind, form)],
