@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
@@ -42,7 +43,7 @@ _WORDS = {  # by the first words of a form's name; {}: its number
     "ripple": "a force that repeats with position", "level ripple": "a friction level that repeats with position",
 }  # fmt: skip
 Key = tuple[str, str]  # form, column
-Column = Callable[[], Array]
+Column = Callable[..., Any]  # without arguments
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     friction, columns = at.friction(v), _of_speed(v, sign, at)
     columns |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
     if at.turns:
-        columns |= {(f"play {w}", ""): partial(_turned, log, w * at.way) for w in WIDTHS}
+        columns |= {(f"play {w}", ""): lambda w=w: direction_along(log, w * at.way) - np.sign(v) for w in WIDTHS}
         columns |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
     columns |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
     columns |= _of_place(log, sign, at)
@@ -90,12 +91,10 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
         if (x := getattr(log, name)) is not None:
             columns[f"level by {name} column", ""] = partial(np.multiply, sign, x)
     t = 2 * (log.time - log.time[0]) / max(float(np.ptp(log.time)), 1e-300) - 1
-    for k in range(1, WAVES + 1):
-        after = "" if k == 1 else f" {k}"
-        columns |= {
-            (f"drift{after}", ""): partial(_wave, t, k),
-            (f"level by time{after}", ""): partial(_wave, t, k, sign),
-        }
+    for k in range(1, WAVES + 1):  # a straight line over the record, from -1 to 1, then cosines
+        after, wave = (" " + str(k), np.cos(np.pi * k * (t + 1) / 2)) if k > 1 else ("", t)
+        columns[f"drift{after}", ""] = lambda wave=wave: wave
+        columns[f"level by time{after}", ""] = lambda wave=wave: sign * wave
     if log.bandwidth and log.step:
         columns["filter", ""] = lambda: _smoother_force(log, at) - load - friction
     return columns
@@ -119,11 +118,6 @@ def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
     return [f"{', '.join(names)}: the range covers {in_words(cause)}." for cause, names in causes.items()]
 
 
-def _wave(t: Array, k: int, height: Array | float = 1.0) -> Array:
-    """A straight line over the record, from -1 to 1, then cosines."""
-    return np.asarray(height * (t if k == 1 else np.cos(np.pi * k * (t + 1) / 2)))
-
-
 def _smoother_force(log: Log, at: Anchor) -> Array:
     """The inertia and the friction of the motion behind a lower cut-off."""
     smooth = smoother_log(log)
@@ -134,21 +128,13 @@ def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Column]:
     """Other dependences of friction on speed."""
     share, columns = abs(v) / at.fast, dict[Key, Column]()
     for w in WIDTHS:
-        columns[f"bend {w}", ""] = partial(_bend, sign, share, w)
-        columns[f"bend {w} square", ""] = partial(_bend, sign, share, w, 2)
-        columns[f"uneven bend {w}", ""] = partial(_bend, abs(sign), share, w)
+        columns[f"bend {w}", ""] = lambda w=w: sign * np.exp(-share / w)
+        columns[f"bend {w} square", ""] = lambda w=w: sign * np.exp(-((share / w) ** 2))
+        columns[f"uneven bend {w}", ""] = lambda w=w: abs(sign) * np.exp(-share / w)
     if "v_s" in at.shape:
         columns["pointed", ""] = lambda: sign * _pointed(abs(v) / at.shape["v_s"])
-    columns |= {(f"growth {p}", ""): partial(_growth, sign, share, p) for p in POWERS}
+    columns |= {(f"growth {p}", ""): lambda p=p: sign * share**p for p in POWERS}
     return columns | {("uneven slope", ""): lambda: abs(v)}
-
-
-def _bend(height: Array, share: Array, width: float, power: int = 1) -> Array:
-    return np.asarray(height * np.exp(-((share / width) ** power)))
-
-
-def _growth(sign: Array, share: Array, power: float) -> Array:
-    return np.asarray(sign * share**power)
 
 
 def _pointed(share: Array) -> Array:
@@ -165,12 +151,8 @@ def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Column]:
     for name, waves, height in (("ripple", at.waves, 1.0), ("level ripple", at.level_waves, sign)):
         for k, w in enumerate(waves):
             for wave in (np.sin, np.cos):
-                columns[f"{name} {k}", wave.__name__] = partial(_ripple, wave, w, y, height)
+                columns[f"{name} {k}", wave.__name__] = lambda wave=wave, w=w, height=height: height * wave(w * y)
     return columns
-
-
-def _ripple(wave: Callable[[Array], Array], w: float, y: Array, height: Array | float) -> Array:
-    return np.asarray(height * wave(w * y))
 
 
 def carried(log: Log, at: Anchor) -> Array:
@@ -213,10 +195,6 @@ def _rate(log: Log, x: Array) -> Array:
     for run in log.runs():
         out[run] = np.gradient(x[run]) if run.stop - run.start > 1 else 0.0
     return out
-
-
-def _turned(log: Log, way: float) -> Array:
-    return direction_along(log, way) - np.sign(log.velocity)
 
 
 def _lagging(log: Log, x: Array, time: float) -> Array:
