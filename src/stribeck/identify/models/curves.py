@@ -8,6 +8,7 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
+from stribeck.identify.core.library import STEEP
 from stribeck.identify.core.states import Estimate, one_sided
 from stribeck.identify.features.guess import HALF
 
@@ -15,7 +16,8 @@ LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # that have columns; ot
 REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
 BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to rounding; tanh bends over all speeds
 EXPONENTS = (0.4, 10.0)  # of the Stribeck curve: five times less and more than 2
-IMPOSSIBLE, WRONG, ODD = 100.0, 4.0, 2.0  # factors on the squared residual: never, hardly ever, rarely reported
+IMPOSSIBLE = 100.0  # factor on the squared residual: such a model is never reported
+NEGLIGIBLE = 0.02  # of the level: viscous friction at the fastest speed that may be negative by chance
 HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
 SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades: a third apart
@@ -100,19 +102,20 @@ class SteadyCurve:
         heights = np.array([x[n] for n in self.names])
         size = abs(heights[0])
         out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, 1.0)
-        for n in self.names[1:]:
-            out = np.where(x[n] < 0, out * WRONG, out)
-        if "sigma_2" in x:
-            out = np.where(x["sigma_2"] * fast < -0.02 * size, out * ODD, out)
-        return np.where(x["mass"] < 0, out * 1.2, out) if "mass" in x else out
+        below = [x["rise"]] if self.rises else []
+        below += [x["mass"]] if "mass" in x else []
+        below += [x["sigma_2"] * fast + NEGLIGIBLE * size] if "sigma_2" in x else []
+        for y in below:
+            out = np.where(y < 0, out * STEEP, out)
+        return out
 
     def possible(self, c: Sequence[float], largest: float) -> bool:
         """Whether a law has such coefficients."""
         return c[0] > 0 and max(map(abs, c)) <= HIGHEST * largest
 
-    def anchored(self, c: Sequence[float], least: float = ANCHORED) -> dict[str, float]:
+    def anchored(self, c: Sequence[float]) -> dict[str, float]:
         """Coefficients with which slopes are taken: none of them 0."""
-        return {n: max(x, least * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
+        return {n: max(x, ANCHORED * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
 
     def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
         """Estimates as they are reported; ``slow``: the level at the slowest speed seen.

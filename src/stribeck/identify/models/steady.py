@@ -27,7 +27,6 @@ RANK = 1e-9  # share of the largest singular value below which a direction of th
 SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: a step that fails at a twentieth ends the search
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record
-STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
 ROOM = 3.0  # times the range of a shape that is searched: a step of the grid
 FAINT = 1e-9  # largest value up to which a column counts as 0
 
@@ -370,7 +369,7 @@ def refine(lib: SteadyLibrary, rows: float) -> None:
         with_ = ranked[:REFINED_WITH] if model not in alone else [model]
         models += [(len(lib.nodes) + len(shapes), m[1]) for m in with_]
         shapes.append(shape)
-        heights.append(lib.curve.anchored(y[:n].tolist(), STEEPNESS))
+        heights.append(lib.curve.anchored(y[:n].tolist()))
     if shapes:
         lib.add(shapes, heights)
         lib.keep([*lib.models, *models])
