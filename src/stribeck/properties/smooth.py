@@ -119,28 +119,29 @@ def _at_axis(
     """A difference between both sides of v = 0 (or z = 0), at one value of the other variable."""
     here, there = (U, W) if axis == "v" else (W, U)
     sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
+    point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
     box = {**model.inputs, str(here.value): (0.0, reach * _TINY), str(there.value): (other, other)}
     forms = [model.form_of(expr, *each) for each in sides]
     if Box(box)(model.form_of(expr, 0, side) if axis == "v" else model.form_of(expr, side, 0)) == (0.0, 0.0):
         # 0 at v = 0: the quotients (f(v) - 0)/v for all small v of either sign, where derivatives have no finite range
         quotients = [divided(f, here) for f in forms]
-        above, below = (_range(q, box) if q is not None else EVERYTHING for q in quotients)
-        if _apart(above, (-below[1], -below[0])):
-            point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
-            yield _verdict(name, f"{axis} = 0", point, here, above, (-below[1], -below[0]))
-    for by in (here, there, None):
-        above, below = (_range(derivative(f, by) if by is not None else f, box) for f in forms)
-        if by is here:
-            below = (-below[1], -below[0])
+        above, below = (
+            _signed(_range(q, box) if q is not None else EVERYTHING, here, each)
+            for q, each in zip(quotients, sides, strict=True)
+        )
         if _apart(above, below):
-            point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
+            yield _verdict(name, f"{axis} = 0", point, here, above, below)
+    for by in (here, there, None):
+        above, below = (_slope(f, by, each, box) for f, each in zip(forms, sides, strict=True))
+        if _apart(above, below):
             yield _verdict(name, f"{axis} = 0", point, by, above, below)
 
 
 def _at_surface(
     model: Model, name: str, surface: SwitchingSurface, guess: tuple[float, float], work: Budget
 ) -> Iterator[Verdict]:
-    difference = surface.condition.args[0] - surface.condition.args[1]
+    """A difference between both sides of a switching surface, at one value of either variable."""
+    difference, sides = surface.condition.args[0] - surface.condition.args[1], surface.sides
     for x, y, given in ((W, U, guess[0]), (U, W, guess[1])):
         if not depends(difference, x):
             continue
@@ -149,20 +150,24 @@ def _at_surface(
         if place is None:
             continue
         box = {**model.inputs, str(x.value): place, str(y.value): (given, given)}
+        middle = 0.5 * (place[0] + place[1])
+        u, w = (given, middle) if x is W else (middle, given)
+        rising = _slope(difference, x, sides, box)[0] > 0  # the condition then holds below
         for by in (U, W, None):
-            a, b = (
-                _range(derivative(f, by) if by is not None else f, box) for f in (surface.if_true, surface.if_false)
-            )
+            a, b = (_slope(f, by, sides, box) for f in (surface.if_true, surface.if_false))
             if _apart(a, b):
-                middle = 0.5 * (place[0] + place[1])
-                u, w = (given, middle) if x is W else (middle, given)
-                side = surface.sides[0 if x is U else 1]
-                rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # the condition then holds below
                 above, below = (b, a) if rising else (a, b)
-                point = (u * surface.sides[0], w * surface.sides[1])
-                if by is not None and surface.sides[0 if by is U else 1] < 0:
-                    above, below = ((-r[1], -r[0]) for r in (above, below))
-                yield _verdict(name, surface.text, point, by, above, below)
+                yield _verdict(name, surface.text, (u * sides[0], w * sides[1]), by, above, below)
+
+
+def _slope(form: Expr, by: Expr | None, sides: tuple[int, int], box: dict[str, Range]) -> Range:
+    """The range of the derivative by v (``by`` U) or z (W), or of the value, of a form for v and z of these signs."""
+    return _range(form, box) if by is None else _signed(_range(derivative(form, by), box), by, sides)
+
+
+def _signed(slope: Range, by: Expr, sides: tuple[int, int]) -> Range:
+    """A derivative by u = |v| (or w = |z|) as one by v (or z)."""
+    return slope if sides[0 if by is U else 1] > 0 else (-slope[1], -slope[0])
 
 
 def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:
