@@ -96,7 +96,7 @@ def of_machine(name: str, lacks: str, fault: str, seed: int) -> Found:
         outputs = {
             "arm.y" if name != "belt" else "motor.y": Channel("y", t, y + case.noise * draw.standard_normal(len(y)))
         }
-        inputs = {case.drive: Channel("u", t[::every], u[::every])}
+        inputs = {case.drive: Channel("u", t[::every], u[::every], held=case.held)}
         recordings.append(Recording(f"run{i}", t, outputs, inputs, case.known(size)))
     sought = tuple(Sought(n, x / 8, 8 * x) for n, x in case.usual.items())
     fit = fit_machine(case.machine, Logs(tuple(recordings), sought), starts=3, seed=seed, baselines=False)

@@ -180,6 +180,7 @@ LAW = "contacts.joint.law.parameters."
 REST = {"initial": {"y": 0.0, "v": 0.0}}
 STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
 MOTOR = {"K": 0.5, "R": 1.0, "L": 0.3}
+SERVO_DAMPING = 0.03  # of its bristles, N m s/rad
 PLAY, CURRENT_GAIN, MOTOR_MASS, BELT, BELT_DAMPING = 2e-3, 25.0, 1.5, 2e5, 30.0
 # terms that a machine's friction lacks, of a share of the friction
 LACKS = ("bump", "drag", "position", "load", "direction", "spring", "time", "ripple", "offset", "root")
@@ -294,6 +295,32 @@ def upright(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     return t, np.array(rows)[:, 0], np.array(u)
 
 
+def servo(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A motor with LuGre friction in a sampled loop: an encoder of 4000 steps, a torque that is held, and noise of 0.5 %."""
+    names, rows, fine = ("inertia", "F_c", "sigma_2", "F_s", "v_s", "sigma_0"), 4001, 25
+    p = {"sigma_1": SERVO_DAMPING, **dict(zip(names, truth.values(), strict=True))}
+    step, encoder = 1e-3, 2 * math.pi / 4000
+    t, h = step * np.arange(rows), step / fine
+    waved = 2.0 * np.sin(2 * np.pi * (0.25 * t + draw.uniform())) + 0.5 * np.sin(2 * np.pi * (0.8 * t + draw.uniform()))
+    wanted, gains = waved - waved[0], p["inertia"] * np.array([4800.0, 80.0])
+    x, y, u, speed = np.zeros(3), np.zeros(rows), np.zeros(rows), 0.0
+
+    def rates(x: np.ndarray, push: float) -> np.ndarray:
+        dw, friction = lugre(p, x[1], x[2], abs(x[1]))
+        return np.array([x[1], (push - friction) / p["inertia"], dw])
+
+    for i in range(rows):
+        y[i] = encoder * round(x[0] / encoder)
+        speed = 0.8 * speed + 0.2 * (y[i] - y[i - 1]) / step if i else 0.0
+        u[i] = np.clip(gains @ (wanted[i] - y[i], -speed), -6 * p["F_s"], 6 * p["F_s"])
+        for _ in range(fine):
+            a = rates(x, u[i])
+            b = rates(x + h / 2 * a, u[i])
+            c = rates(x + h / 2 * b, u[i])
+            x = x + h / 6 * (a + 2 * b + 2 * c + rates(x + h * c, u[i]))
+    return t, y, u + 0.005 * p["F_s"] * draw.standard_normal(rows)
+
+
 def belt(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     """A motor, a belt and a carriage under a position loop; its current has noise of 20 mA."""
     t = 0.004 * np.arange(751)
@@ -354,9 +381,9 @@ class Case:
     record: Callable[[Draw, Constants, float, Term], Sampled]
     drive: str
     noise: float
-    window: float | None = None
     recordings: int = 2
     known: Callable[[float], Constants] = lambda size: {}
+    held: bool = False  # the drive between samples
 
 
 def machine(law: dict[str, Any], bodies: dict[str, Any], end: float, **more: Any) -> dict[str, Any]:
@@ -376,9 +403,9 @@ def pendulum(amplitude: float, phase: float = 0.0, on: str = "arm") -> dict[str,
     return {"on": on, "kind": "pendulum", "amplitude": amplitude, "phase": phase}
 
 
-def law(name: str, k_v: float, **parameters: float) -> dict[str, Any]:
-    """A law's table."""
-    return {"name": name, "k_v": k_v, "parameters": parameters}
+def law(name: str, k_v: float | None, **parameters: float) -> dict[str, Any]:
+    """A law's table; without ``k_v``, with |v|."""
+    return {"name": name, **({"k_v": k_v} if k_v else {}), "parameters": parameters}
 
 
 CASES = {
@@ -411,7 +438,14 @@ CASES = {
         machine(law("coulomb_viscous", 200.0, F_c=0.3, sigma_2=0.1), {"arm": {"inertia": 0.1, "initial": {"y": 0.05, "v": 0.0}}},
                 4.0, loads={"gravity": pendulum(1.0, np.pi)}, motors={"drive": {"on": "arm", **MOTOR, "signal": STILL}}),
         {"bodies.arm.inertia": 0.05, "loads.gravity.amplitude": 2.0, f"{LAW}F_c": 0.15, f"{LAW}sigma_2": 0.03},
-        upright, "motors.drive.signal", 5e-4, 0.5, 1,
+        upright, "motors.drive.signal", 5e-4, recordings=1,
+    ),
+    "servo": Case(
+        machine(law("lugre", None, sigma_0=20.0, sigma_1=SERVO_DAMPING, sigma_2=1e-4, F_c=0.02, F_s=0.03, v_s=1.0),
+                {"arm": {"inertia": 4e-5}}, 4.0, loads=pushed()),
+        {"bodies.arm.inertia": 5e-5, f"{LAW}F_c": 0.02, f"{LAW}sigma_2": 1e-4, f"{LAW}F_s": 0.035, f"{LAW}v_s": 1.0,
+         f"{LAW}sigma_0": 15.0},
+        servo, "loads.push.signal", 0.0, recordings=1, held=True,
     ),
     "belt": Case(
         machine(law("lugre_majorant", 1e4, sigma_0=2e5, sigma_1=300.0, v_s=0.02, F_c=10.0, F_s=20.0, sigma_2=15.0),

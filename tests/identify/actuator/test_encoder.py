@@ -6,7 +6,7 @@ import pytest
 from stribeck import Scenario
 from stribeck.identify.actuator import fit_machine
 from stribeck.identify.actuator.guides import CARRIED, Guides
-from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from tests.identify.actuator.recorded import body, logs, record
 from tests.shared import SHARED
 
@@ -20,7 +20,7 @@ FIRST = {"F_c": 0.01, "F_s": 0.015, "v_s": 0.5, "sigma_0": 10.0, "sigma_1": 0.02
 @pytest.mark.parametrize("step", [0.0, 1e-3])
 def test_other_noise_of_an_encoder_is_none_at_rest(step):
     """Half of the record stands still. Rounding repeats its value there; a sensor without steps is noisy there too."""
-    t = 1e-3 * np.arange(4001)
+    t = 1e-3 * np.arange(2501)
     y = 0.1 * np.clip(np.sin(2 * np.pi * t), 0.0, None)
     noise = np.random.default_rng(1).standard_normal(len(t))
     measured = step * np.round(y / step) if step else y + 3e-4 * noise
@@ -57,9 +57,51 @@ def test_a_closed_loop_identifies_its_friction_by_position(tmp_path):
     for name, truth in TRUTH.items():
         low, high = result.estimates[name].range
         assert low < truth < high
+        assert result.estimates[name].state == "identified"
     for name in list(TRUTH)[:3]:  # the inertia and both levels
         low, high = result.estimates[name].interval
         assert high < 1.2 * low
+
+
+def turned_in_a_loop(seed):
+    """Times, what an encoder of 4000 steps read, and the torque of a sampled loop on LuGre's friction, in steps of 40 us."""
+    draw, fine, encoder = np.random.default_rng(seed), 25, 2 * np.pi / 4000
+    t, h = 1e-3 * np.arange(2501), 1e-3 / 25
+    waves = 2.0 * np.sin(2 * np.pi * (0.25 * t + draw.random())) + 0.5 * np.sin(2 * np.pi * (0.8 * t + draw.random()))
+    y, u, speed, state = np.zeros(len(t)), np.zeros(len(t)), 0.0, np.zeros(3)
+
+    def rates(x, push):
+        bends = x[1] - 20.0 * abs(x[1]) * x[2] / (0.02 + 0.01 * np.exp(-(x[1] ** 2)))
+        return np.array([x[1], (push - 20.0 * x[2] - 0.03 * bends - 1e-4 * x[1]) / 5e-5, bends])
+
+    for i, wanted in enumerate(waves - waves[0]):
+        y[i] = encoder * round(state[0] / encoder)
+        speed = 0.8 * speed + 0.2 * (y[i] - y[i - 1]) / 1e-3 if i else 0.0
+        u[i] = np.clip(0.24 * (wanted - y[i]) - 4e-3 * speed, -0.18, 0.18)
+        for _ in range(fine):
+            half = state + h / 2 * rates(state, u[i])
+            state = state + h * rates(half, u[i])
+    return t, y, u + 1.5e-4 * draw.standard_normal(len(t))
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_loop_whose_free_motion_strays_is_fitted_along_the_measured_one(seed):
+    """The free simulation ended dozens of encoder steps beside it. F_c and sigma_2 were then out of their ranges."""
+    t, y, u = turned_in_a_loop(seed)
+    machine = {
+        "schema": 2, "bodies": {"rotor": {"inertia": 3e-5}},
+        "contacts": {"bearing": {"from": "rotor", "law": {"name": "lugre", "parameters": FIRST | {"sigma_1": 0.03}}}},
+        "loads": {"motor": {"on": "rotor", "kind": "signal", "signal": {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}}},
+        "solve": {"t_end": 2.5}, "output": {"step": 1e-3},
+    }  # fmt: skip
+    inputs = {"loads.motor.signal": Channel("u", t, u, held=True)}
+    recording = Recording("loop", t, {"rotor.y": Channel("y", t, y)}, inputs)
+    truth = TRUTH | {f"{LAW}sigma_2": 1e-4}
+    sought = tuple(Sought(name, x / 11, 9 * x) for name, x in truth.items())
+    result = fit_machine(machine, Logs((recording,), sought), starts=1, baselines=False)
+    outside = {n: (e.value, e.range) for n, e in result.estimates.items() if not e.range[0] <= truth[n] <= e.range[1]}
+    assert not outside
 
 
 def test_a_rough_command_is_no_noise(tmp_path):

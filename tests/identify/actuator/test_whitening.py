@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stribeck.identify.actuator import regression, residuals
+from stribeck.identify.actuator import residuals
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch
+from stribeck.identify.actuator.guided import GuidedSearch, steps_apart
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.actuator.whitening import prediction_filter
@@ -115,5 +115,5 @@ def test_the_first_samples_which_have_no_past_stay_as_they_are():
 @pytest.mark.parametrize(("there", "beyond"), [(0.02, 0.0), (0.5, 0.5 - 1.96 * 0.05), (-0.5, -0.5 + 1.96 * 0.05)])
 def test_another_estimate_counts_by_what_its_own_deviation_leaves(there, beyond):
     problem, u = at(1.0)
-    assert regression._apart(problem, u, {F_C: (u[0] + there, 0.05)})[0] == pytest.approx(beyond)
-    assert not regression._apart(problem, u, {}).any()
+    assert steps_apart(problem, u, {F_C: (u[0] + there, 0.05)})[0] == pytest.approx(beyond)
+    assert not steps_apart(problem, u, {}).any()

@@ -9,11 +9,11 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide
+from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide, steps_apart
 from stribeck.identify.actuator.guides import CARRIED, Guides
 from stribeck.identify.actuator.lacks import RunMotion
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.recordings import Recording
+from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.runs import rms
 from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
@@ -63,27 +63,39 @@ class BestPoint:
             texts.append(f"{100 * share:.0f} % of the forces are missing")
         return texts
 
-    def state_error(self) -> float:
-        """The squared error of the simulated state, relative to that of the sensors that guide it.
+    def doubtful(self) -> bool:
+        """Whether slopes along the free motion may bend the estimates.
 
-        Other noise in the measured motion shows how much of it the guide carries into the state, and how much it leaves in the
-        residual. What the residual exceeds this by is an error of the forces.
+        The simulation misses the recordings; or its state errs by more than the sensors, and the estimates are not those under
+        the stiffest guide, whose slopes are along the measured motion.
         """
-        errors = list[float]()
+        apart = steps_apart(self.problem, self.u, self.under_guide)
+        return bool(self.missed() or (apart.any() and self.state_error() > _HIDDEN**2))
+
+    def state_error(self) -> float:
+        """The squared error of the simulated state, relative to that of the sensors of bodies that forces move.
+
+        Other noise in the measured motion shows how much of it a guide carries into the state, and how much it leaves in the
+        residual. What the residual exceeds this by is an error of the forces, unless an error of the sensor explains it.
+        """
+        errors = [0.0]
         for k, run in enumerate(self.problem.runs):
-            point = self.u[None]
+            point, sensors = self.u[None], self.guides.noise(run.log)
             state = self.problem.predicted(run, k, point)
             others = [
                 (x.targets, self.problem.predicted(run.instead(x), k, point)) for x in run.as_well.get(CARRIED, ())
             ]
             for i, target in enumerate(run.targets):
-                noise = np.array([targets[i].x - target.x for targets, _ in others])
-                carried = np.array([x[i][0] - state[i][0] for _, x in others])
-                if noise.any():
-                    residual = np.mean((state[i][0] - target.x) ** 2)
-                    forces = max(residual - np.mean((noise - carried) ** 2), 0.0)
-                    errors.append(float((forces + np.mean(carried**2)) / np.mean(noise**2)))
-        return max(errors, default=0.0)
+                if target.column not in sensors:
+                    continue
+                noise, carried = np.array([sensors[target.column]]), np.zeros(1)  # without a guide
+                if others:
+                    noise = np.array([targets[i].x - target.x for targets, _ in others])
+                    carried = np.array([x[i][0] - state[i][0] for _, x in others])
+                left = _without_errors_of_sensor(target, state[i][0])
+                forces = max(float(np.mean(left**2) - np.mean((noise - carried) ** 2)), 0.0)
+                errors.append((forces + float(np.mean(carried**2))) / float(np.mean(noise**2)))
+        return max(errors)
 
     def _guide_share(self) -> float:
         """The guides' force, relative to the friction or to the other forces on the guided bodies, whichever is larger."""
@@ -96,6 +108,14 @@ class BestPoint:
         contacts = self.problem.runs[0].scenario.data.get("contacts", {})
         friction = [rms(motion.each(f"{contact}.F")) for contact in contacts]
         return float(np.sqrt(np.mean(np.square(pulls)))) / max(*friction, *others, 1e-300)
+
+
+def _without_errors_of_sensor(target: Channel, x: Array) -> Array:
+    """What a sensor's delay, clock, gain and offset leave of the difference between a measured and a simulated column."""
+    rate = np.gradient(x, target.t) if len(x) > 1 else np.zeros(len(x))
+    errors = np.stack([rate, rate * target.t, x, np.ones(len(x))], axis=1)
+    errors /= np.maximum(np.max(abs(errors), axis=0), 1e-300)
+    return np.asarray(target.x - x - errors @ np.linalg.lstsq(errors, target.x - x)[0])
 
 
 def steady(problem: MachineProblem, u: Array) -> bool:
@@ -140,32 +160,39 @@ def estimate(
     free = begun(0.0, near.values)
     if rough or free.stopped:
         return free
-    best = _as_free_as_possible(begun, near, free)
-    best = _weighted(best)
-    if best.problem.colored and not best.stopped:
-        try:
-            best.under_guide = search_.under_guide(near)
-        except (KeyboardInterrupt, Stopped):
-            work.stop()
-        best.stopped = work.stopped
+
+    def converged(bandwidths: Sequence[float]) -> BestPoint:
+        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths))
+        if best.problem.colored and not best.stopped:
+            try:
+                best.under_guide = search_.under_guide(near)
+            except (KeyboardInterrupt, Stopped):
+                work.stop()
+            best.stopped = work.stopped
+        return best
+
+    fitted_sensor = any(c.output is not None for c in sought)  # which guides nothing
+    guided = [] if fitted_sensor else guides.bandwidths[1:]
+    best = converged([0.0, *guided])
+    if not best.bandwidth and guided and not best.stopped and best.doubtful():
+        other = converged(guided)
+        best = other if other.bandwidth else best
     return best
 
 
 def _as_free_as_possible(
-    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint
+    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, bandwidths: Sequence[float]
 ) -> BestPoint:
     """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
     It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
     the sensors' noise: slopes along another motion than the real one bend the estimates. If no guide hides it, the one with
-    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth. A sensor whose errors are fitted
-    guides nothing.
+    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth.
     """
     scenario, why = free.problem.runs[0].scenario, ""
     moves = any(x.free for x in scenario.system.bodies)
-    fitted = any(c.output is not None for c in free.problem.sought)
     chosen, least = free, np.inf
-    for bandwidth in free.guides.bandwidths[: 1 if fitted else None]:
+    for bandwidth in bandwidths:
         best = begun(bandwidth, near.at(bandwidth)) if bandwidth else free
         weigh(best.problem, best.u, white=False)
         solution = search(best.problem, best.u, small=ROUGHLY)

@@ -45,6 +45,7 @@ _ENOUGH = 6  # recordings that tell minima apart
 _UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
 _FEWEST = 500  # samples of a coarse recording
 _EVEN = 1e-3  # of a step: a spline's knots need not be more even
+_TWO_SIDED = 1.96  # deviations of a 95 % interval
 _DEARER = 10  # times the solver's steps at the first values: what a start may take
 
 
@@ -263,6 +264,20 @@ class GuidedSearch:
             runs = [replace(run, start=self._begins[run.log]) for run in runs]
             starts = [c for c in self._starts if c.log in {i for i, _ in recordings}]
         return MachineProblem(runs, [*self.sought, *starts], dict(self.noise), work=self.work, step=_STEP)
+
+
+def steps_apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
+    """The steps to another estimate of the same coordinates, less what its own deviations explain.
+
+    Under a guide, a slip does not displace what follows. Where the two estimates disagree, the free one may be at a local
+    minimum, or the model lacks something (Hausman, Econometrica 46, 1978).
+    """
+    steps = np.zeros(len(u))
+    for i, c in enumerate(problem.sought):
+        if c.name in other:
+            there, deviation = other[c.name]
+            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - _TWO_SIDED * deviation, 0.0)
+    return steps
 
 
 def _of_each_load(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:

@@ -128,6 +128,10 @@ class Guides:
         """The recordings with other noise added to their measured motions, and these motions."""
         return {i: list(_noisier(r, self._motions[i])) for i, r in self._recordings}
 
+    def noise(self, i: int) -> dict[str, float]:
+        """The noise of the sensors that can guide bodies in recording i, by column."""
+        return {m.column: max(m.noise, m.step / np.sqrt(12)) for m in self._motions[i]}
+
     @cached_property
     def bandwidths(self) -> list[float]:
         """0 (no guide), then rad/s from below the motion's own frequency to the inverse of the sampling interval."""

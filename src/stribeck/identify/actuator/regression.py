@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.drawn import input_errors
-from stribeck.identify.actuator.guided import UnderGuide
+from stribeck.identify.actuator.guided import UnderGuide, steps_apart
 from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes, left_step
@@ -30,7 +30,6 @@ _ONE_LEVEL = "v_s is not identifiable: the friction level of slow motion may be 
 _NO_SLIDING = (
     "no stroke is much longer than the displacement to break-away: the friction level of slow motion may be F_s"
 )
-_TWO_SIDED = 1.96  # deviations of a 95 % interval
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
@@ -167,7 +166,9 @@ def regressed(
     forms = missing_forms(problem, u, motion, words or {})
     room = (problem.high - problem.low)[starts] * WIDE
     clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
-    known = [] if under_guide is None else [*input_errors(problem, u, J), (J @ _apart(problem, u, under_guide))[None]]
+    known = list[Array]()
+    if under_guide is not None:
+        known = [*input_errors(problem, u, J), (J @ steps_apart(problem, u, under_guide))[None]]
     drawn = [_without(J[:, starts] * room, x.T).T for x in known]
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
@@ -195,20 +196,6 @@ def regressed(
     choice = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     choice.index = next(i for i, m in enumerate(lib.models) if not m[1])
     return choice
-
-
-def _apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
-    """The steps to another estimate of the same coordinates, less what its own deviations explain.
-
-    Under a guide, a slip does not displace what follows. Where the two estimates disagree, the free one may be at a local
-    minimum, or the model lacks something (Hausman, Econometrica 46, 1978).
-    """
-    steps = np.zeros(len(u))
-    for i, c in enumerate(problem.sought):
-        if c.name in other:
-            there, deviation = other[c.name]
-            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - _TWO_SIDED * deviation, 0.0)
-    return steps
 
 
 def _without(starts: Array, columns: Array) -> Array:
