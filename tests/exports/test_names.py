@@ -27,9 +27,9 @@ def test_a_machine_compiles(tmp_path):
         subprocess.run(["gcc", f"-std={language}", "-fsyntax-only", "-Werror", *sources], check=True)
 
 
-def test_a_column_has_another_name_than_a_state_or_constant(tmp_path):
+def test_names_of_columns_are_names_in_c_and_no_other_ones(tmp_path):
     need("gcc")
-    bodies = {name: {"mass": 1.0} for name in ("a", "X_a", "P_a")}
+    bodies = {name: {"mass": 1.0} for name in ("a", "X_a", "P_a", "2nd")}
     file = stribeck.export(Scenario(machine(bodies, 0.1, energy=False, loads={"push": push()})), "c", tmp_path)[0]
     subprocess.run(["gcc", "-std=c99", "-fsyntax-only", "-Werror", str(file)], check=True)
 

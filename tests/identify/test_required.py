@@ -1,9 +1,12 @@
 """What a user requires decides what is identified, and the notes say what is missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import stribeck
+from stribeck.identify.core.states import EstimateState
 from stribeck.identify.required import half_width, with_requirements
 from tests.identify.actuator.recorded import body, logs, record
 
@@ -37,6 +40,12 @@ def test_a_number_is_identified_as_far_as_it_is_required(usual):
     assert between.notes[0].startswith("F_c is known within")
     assert with_requirements(usual, {"F_c": 1.01 * wide})["F_c"].state == "identified"
     assert 1.01 * wide < 0.5
+
+
+def test_a_bound_stays_a_bound(usual):
+    bound = replace(usual["F_s"], interval=(1.3, np.inf), state=EstimateState.AT_LEAST)
+    asked = replace(usual, estimates={**usual.estimates, "F_s": bound})
+    assert with_requirements(asked, {"F_s": 0.1})["F_s"].state == "at least"
 
 
 def test_what_to_measure_stands_with_what_is_missing(columns, usual):

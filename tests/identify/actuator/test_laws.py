@@ -69,6 +69,8 @@ def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
     path = logs(tmp_path, ["run.csv"], wanted)
     result = fit_machine(body(), path, laws={"guide": ["elastoplastic_majorant"]}, starts=1, baselines=False)
     assert result.laws["failed"] == {}
+    (chosen,) = (chapter for chapter in result.document().chapters if chapter.key == "laws")
+    assert [row[0] for row in chosen.tables[0].rows] == ["guide = elastoplastic_majorant"]
     law = result.data["contacts"]["guide"]["law"]
     assert 0 < law["z_ba"] * law["parameters"]["sigma_0"] < law["parameters"]["F_c"]
     assert result.estimates["contacts.guide.law.z_ba"].unit == "m"
