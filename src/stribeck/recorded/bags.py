@@ -150,7 +150,7 @@ def opened_mcap(path: Path) -> Source:
         encodings = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
         raise InputError(f"{error}; not read, as neither cdr nor json: {encodings}") from None
     except (McapError, struct.error, ValueError, RecursionError) as error:
-        raise InputError(f"'{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
+        raise InputError(f"{arg('data')}: '{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
 
 
 def opened_rosbag(path: Path) -> Source:
@@ -179,4 +179,4 @@ def opened_rosbag(path: Path) -> Source:
                 ),
             )
     except AnyReaderError as error:
-        raise InputError(f"'{path}': cannot be read as a rosbag: {error}") from None
+        raise InputError(f"{arg('data')}: '{path}': cannot be read as a rosbag: {error}") from None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.files import json_of
 from stribeck.recorded import Source, bags, opened
 
@@ -22,7 +22,9 @@ def opened_log(path: Path) -> Source:
     if kind == ".json":
         return _bam(path)
     if kind == ".db3":
-        raise InputError(f"'{path}': is a part of a rosbag: give the folder that holds its metadata.yaml")
+        raise InputError(
+            f"{arg('data')}: '{path}': is a part of a rosbag: give the folder that holds its metadata.yaml"
+        )
     if kind == ".mcap" and path.is_file():
         return bags.opened_mcap(path)
     if (kind == ".bag" and path.is_file()) or (path / "metadata.yaml").is_file():
@@ -43,12 +45,12 @@ def _bam(path: Path) -> Source:
     try:
         data = json_of(path)
     except OSError as error:
-        raise InputError(f"'{path}': cannot be read: {error.strerror or error}") from None
+        raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
     except ValueError as error:
-        raise InputError(f"'{path}': is not JSON: {error}") from None
+        raise InputError(f"{arg('data')}: '{path}': is not JSON: {error}") from None
     entries = data.get("entries") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not entries or not all(isinstance(e, dict) for e in entries):
-        raise InputError(f"'{path}': must be a log of BAM: a list 'entries' of tables")
+        raise InputError(f"{arg('data')}: '{path}': must be a log of BAM: a list 'entries' of tables")
     names = [n for n, x in entries[0].items() if isinstance(x, int | float | bool)]
     columns: dict[str, object] = {
         n: np.array([float(x) if isinstance(x := e.get(n), int | float | bool) else np.nan for e in entries])

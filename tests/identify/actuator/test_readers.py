@@ -7,7 +7,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, naming
 from stribeck.identify.actuator import read_logs
 from stribeck.recorded.logs import opened_log
 from tests.identify.actuator.recorded import logs
@@ -242,3 +242,33 @@ def test_a_log_of_bam_may_state_its_times(tmp_path):
         source = opened_log(tmp_path / "run.json")
         assert source.columns({"time": "t"})["time"].tolist() == [0.0, 0.5, 1.0]
         assert "said" not in source.names
+
+
+@pytest.mark.parametrize(
+    ("time", "said"),
+    [(3 - T, r"falls from 3 s to 2\.99 s: 1 of 20 rows"), (0 * T + 3, r"repeats 3 s: 1 of 20 rows"),
+     (T[:5], "has 5 rows with a time: must have at least 8")],
+)  # fmt: skip
+def test_why_a_recording_has_too_few_rows(time, said, tmp_path):
+    """A time that ran backwards was reported as a file of one row."""
+    rows = "".join(f"{t},{t}\n" for t in time)
+    (tmp_path / "run.csv").write_text(f"t,y\n{rows}")
+    with pytest.raises(InputError, match=said):
+        read_logs(logs(tmp_path, [{"file": "run.csv", "outputs": {"a.y": "y"}, "inputs": {}}], UNKNOWN))
+
+
+@pytest.mark.parametrize("name", ["none.csv", "none.json", "none.db3", "torn.npz"])
+def test_a_file_that_cannot_be_read_is_called_by_its_key(name, tmp_path):
+    """Its line said 'log.0.file: DATA: ...', and of a column '--log 0.outputs...'."""
+    (tmp_path / "torn.npz").write_text("no archive")
+    (tmp_path / "text.csv").write_text("t,y\n" + "0.1,much\n" * 9)
+    tables = [
+        {"file": name, "outputs": {"a.y": "y"}, "inputs": {}},
+        {"file": "text.csv", "outputs": {"a.y": "y"}, "inputs": {}},
+    ]
+    path = logs(tmp_path, tables, UNKNOWN)
+    with naming(str.upper), pytest.raises(InputError) as refused:
+        read_logs(path)
+    file, column = refused.value.problems
+    assert file.startswith(f"{path}: log.0.file: '{tmp_path / name}'")
+    assert column.startswith(f"{path}: log.1.outputs.a.y: column 'y' holds text")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Annotated, ClassVar, TypeVar
 
@@ -15,7 +15,7 @@ from scipy.interpolate import BSpline
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of, show
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg, naming, nearest
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.data.quality import LARGEST, impossible, isolated_outliers
 from stribeck.identify.data.smoother import smooth, smoothing
@@ -295,7 +295,8 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     for i, given in enumerate(table.log):
         entry = _valid(RecordingTable, given, f"log.{i}", problems)
         try:
-            recordings += [] if entry is None else [_read(entry, f"log.{i}", path.parent)]
+            with naming(partial(_key, f"log.{i}")):
+                recordings += [] if entry is None else [_read(entry, f"log.{i}", path.parent)]
         except InputError as error:
             problems += error.problems
     sought, wrong = sought_of(table.unknown)
@@ -307,6 +308,11 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     if problems:
         raise InputError([f"{path}: {line}" for line in problems])
     return Logs(tuple(recordings), tuple(sought), {n: tuple(x) for n, x in table.laws.items()}, path)
+
+
+def _key(where: str, name: str) -> str:
+    """The key that gives a reader's argument: the file is ``data``, and the columns have the names of their keys."""
+    return f"{where}.file" if name == "data" else name
 
 
 def sought_of(unknown: Mapping[str, object], argument: bool = False) -> tuple[list[Sought], list[str]]:
@@ -334,8 +340,6 @@ def _source(entry: RecordingTable, where: str, folder: Path) -> Source:
     """
     try:
         return opened_log(folder / entry.file)
-    except InputError as error:
-        raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
     except OSError as error:  # an invalid file name
         raise InputError(f"{where}.file: {show(entry.file)}: cannot be read: {error.strerror}") from None
 
@@ -353,13 +357,12 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     names |= {f"{where}.{use}.time": at for use, at in apart.items() if at and at != time.column}
     roles = {f"{where}.{use}": f"{where}.{use}.time" for use in wanted}
     times = {role: at if at in names else f"{where}.time" for role, at in roles.items()}
-    columns, notes = _columns(source, where, names, times), list(getattr(source, "notes", []))
+    columns, notes = _columns(source, names, times), list(getattr(source, "notes", []))
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, entry.file)
     notes += more
     if len(keep) < FEWEST:
-        few = f"has {len(keep)} rows with a time: must have at least {FEWEST}"
-        raise InputError(f"{where}.file: {show(entry.file)}: {few}")
+        raise InputError(_too_few(t, keep, where, entry.file, time.column))
     if text := impossible(t[keep]) or _parted(t[keep]):
         raise InputError(f"{where}.time: {show(time.column)}: {text}")
     origin, channels = float(t[keep[0]]), dict[str, Channel]()
@@ -394,7 +397,7 @@ def _in_si(column: Column, source: Source) -> Column:
     return column.model_copy(update={"unit": stated}) if stated else column
 
 
-def _columns(source: Source, where: str, names: Mapping[str, str], times: Mapping[str, str]) -> dict[str, Array]:
+def _columns(source: Source, names: Mapping[str, str], times: Mapping[str, str]) -> dict[str, Array]:
     """The columns by their use.
 
     Raises:
@@ -408,10 +411,7 @@ def _columns(source: Source, where: str, names: Mapping[str, str], times: Mappin
                 for role, name in missing
             ]
         )
-    try:
-        return source.columns(dict(names), times)
-    except InputError as error:
-        raise InputError([f"{where}.file: {source.path}: {line}" for line in error.problems]) from None
+    return source.columns(dict(names), times)
 
 
 def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
@@ -425,6 +425,19 @@ def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
     if not rising.all():
         notes.append(f"{file}: {int((~rising).sum())} rows repeat a time or go back in time and are left out")
     return there[rising], notes
+
+
+def _too_few(t: Array, keep: NDArray[np.int64], where: str, file: str, column: str) -> str:
+    """Why a recording has too few rows in order of time: the file has no more, or its time does not rise."""
+    there = t[np.isfinite(t)]
+    if len(there) < FEWEST:
+        return f"{where}.file: {show(file)}: has {len(there)} rows with a time: must have at least {FEWEST}"
+    i = int(np.argmax(np.diff(there) <= 0))
+    does = "repeats" if there[i + 1] == there[i] else f"falls from {there[i]:.6g} s to"
+    return (
+        f"{where}.time: {show(column)}: {does} {there[i + 1]:.6g} s: {len(keep)} of {len(there)} rows are in order of time, "
+        f"must be at least {FEWEST}"
+    )
 
 
 def _parted(t: Array) -> str | None:
