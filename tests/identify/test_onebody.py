@@ -172,7 +172,9 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
 
 @pytest.mark.thorough
 def test_loops_short_of_gross_sliding_leave_F_c_open():
-    """The level of a slow motion is then F_s, and nothing shows where the curve ends."""
-    result = fitted(rig.measured(rig.LOOPS)).estimates["F_c"]
+    """The level of a slow motion is then F_s, and nothing shows where the curve ends. A terminal printed no reason."""
+    fit = fitted(rig.measured(rig.LOOPS))
+    result = fit.estimates["F_c"]
     assert result.state == "not identifiable"
     assert result.why.startswith("no stroke is much longer")
+    assert "F_c: not identifiable: no stroke is much longer" in " ".join(str(fit).split())

@@ -81,6 +81,15 @@ def _numbers(
     ]
 
 
+def _open(parameters: Mapping[str, Estimate]) -> list[str]:
+    """The estimates that are not identifiable, or bounds: a line for each, with the reason and the experiment."""
+    return [
+        f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
+        for n, e in parameters.items()
+        if e.why or e.experiment
+    ]
+
+
 def _beside(lead: str, others: Mapping[str, float | None], words: str = "") -> str:
     """The headline with the residuals of other models, the largest first."""
     known = sorted(((x, n) for n, x in others.items() if x is not None), reverse=True)[:_OTHERS]
@@ -112,13 +121,16 @@ def _overlay(key: str, title: str, shown: Sequence[Trace], words: tuple[str, str
 def of_log(fit: LogFit) -> Document:
     """A law fitted to a log."""
     others = {c["name"]: c["relative_force_error"] for c in fit.candidates if not c["chosen"]}
-    advice = [e.advice(n) for n, e in fit.parameters.items()]
+    notes, in_table = fit.notes, [e.advice(n) for n, e in fit.parameters.items()]
+    if fit.method == "dynamic" and fit.status != "stopped":
+        in_table = _open(fit.parameters)
+        notes = (*notes, *in_table)
     return Document(
         fit.title,
         _beside(fit.lead, others),
         (),
         [
-            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes, advice), *_relation(fit.relation), *_quality(fit),
+            *_numbers(fit.parameters, _given(fit), fit.speeds, notes, in_table), *_relation(fit.relation), *_quality(fit),
             _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit),
         ],
     )  # fmt: skip
@@ -223,12 +235,7 @@ def of_machine(fit: MachineFit) -> Document:
 
 def _of_machine(fit: MachineFit) -> tuple[list[str], list[str]]:
     """Notes of one sentence each: doubts, withheld values, and values that cannot be separated; and the withheld ones alone."""
-    stopped = fit.status == "stopped"
-    open_ones = [
-        f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
-        for n, e in fit.parameters.items()
-        if (e.why or e.experiment) and not stopped
-    ]
+    open_ones = [] if fit.status == "stopped" else _open(fit.parameters)
     together = [f"Cannot be separated: {', '.join(group['names'])}." for group in fit.correlated]
     failed = [f"{label} was not fitted: {why}." for label, why in (fit.laws or {"failed": {}})["failed"].items()]
     return [*fit.notes, *open_ones, *together, *failed], open_ones

@@ -49,8 +49,9 @@ def test_a_number_short_of_its_optimum_is_not_identified(recordings, monkeypatch
     """By position a search crept along a valley for as long as it was let, and sigma_0 was identified 29 % off."""
     monkeypatch.setattr(estimation, "settled", lambda problem, u: u + 0.01)
     fitted = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=2, baselines=False)
-    assert {e.state for e in fitted.estimates.values()} == {"not identifiable"}
-    assert all("did not come to its end" in e.why for e in fitted.estimates.values())
+    assert fitted.levels
+    assert {e.state for e in fitted.parameters.values()} == {"not identifiable"}
+    assert all("did not come to its end" in e.why for e in fitted.parameters.values())
 
 
 def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):

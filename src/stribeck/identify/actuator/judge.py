@@ -25,6 +25,7 @@ from stribeck.scenario import Scenario
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
 # Difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery).
 EQUAL = 6.0
+_CREPT = "the search crept along a valley and did not come to its end (other first values, or another motion, help)"
 FORMS = 3  # sets of forms that are reported: the best, and two that explain as much
 
 
@@ -61,16 +62,17 @@ def judged(
     columns = {c.name: c.unit for c in scenario.system.columns}
     units |= {name: columns.get(f"{name.partition(' ')[0]}.F", "") for name in lib.friction.speeds}
     labels = {form.name: form.label for form in lib.forms}
-    for name, e in estimates.items():
-        state = EstimateState.NOT_IDENTIFIABLE if _crept(e) else e.state
-        estimates[name] = replace(e, state=state, unit=units[name], depends_on=labels.get(e.depends_on, ""))
     names, relation = [c.name for c in lib.sought], _relation(lib)
+    for name, e in estimates.items():
+        state, why = (EstimateState.NOT_IDENTIFIABLE, _CREPT) if _crept(e) else (e.state, e.why)
+        if state is EstimateState.NOT_IDENTIFIABLE and not why:
+            why = _wide(e, name, names, relation)
+        estimates[name] = replace(e, state=state, unit=units[name], depends_on=labels.get(e.depends_on, ""), why=why)
     open_ = [i for i in asked if not estimates[problem.sought[i].name].identifiable]
     texts = advise.experiments(problem, u, lib.J, open_ if advised else [])
     for i in open_:
         name = problem.sought[i].name
-        e = estimates[name]
-        estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
+        estimates[name] = replace(estimates[name], experiment=texts.get(i, estimates[name].experiment))
     levels = {n: estimates.pop(n) for n in lib.friction.speeds}
     # a missing effect repeats itself from sample to sample: prediction errors hardly contain it
     plain = regressed(problem.without_whitening(), u, words) if problem.colored else choice
@@ -89,7 +91,7 @@ def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:
 
 
 def _crept(e: Estimate) -> bool:
-    """Whether the search ended farther from the optimum than the estimate's own error."""
+    """Whether the step that the search left is longer than the estimate's error by the covariance."""
     return e.parts["M"] > e.parts["C"]
 
 
@@ -116,14 +118,12 @@ def _groups(names: list[str], relation: Array) -> list[Group]:
     return groups
 
 
-def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
-    """The reason why a parameter is not identifiable, in words."""
-    if _crept(e):
-        return (
-            "the search crept along a valley and did not come to its end (other first values, or another motion, help)"
-        )
+def _wide(e: Estimate, name: str, names: list[str], relation: Array) -> str:
+    """How wide an interval is, and the parameters that one cannot be separated from."""
     low, high = e.interval
     wide = f"its interval spans a factor of {high / low:.2g}" if low > 0 else f"its interval is {low:.3g} to {high:.3g}"
+    if name not in names:  # a level
+        return wide
     row = relation[names.index(name)]
     others = [names[i] for i in np.argsort(-abs(row)) if names[i] != name and abs(row[i]) > RELATED]
     return f"{wide}; confounded with {' and '.join(others[:2])}" if others else wide
