@@ -60,3 +60,17 @@ def test_each_side_of_a_kink_has_its_own_value(h, of, below, above):
         low, high = enclosed[side]
         assert low - 1e-9 * abs(value) <= value <= high + 1e-9 * abs(value)
     assert verdict.verify(law, "smooth") is True
+
+
+LINES = {
+    "z": lambda v, z: where(both(z <= C, z >= C), (z - C) * sign(v), 0.0),
+    "v": lambda v, z: where(both(v <= S, v >= S), (v - S) * sign(z), 0.0),
+    "v, in a condition": lambda v, z: where(where(both(v <= S, v >= S), -1.0, 1.0) + (v - S) < 0, v - S, 0.0),
+    "v, across a condition": lambda v, z: where(both(v <= S, v >= S), (v - S) * where(z < 0.8 * C, 1.0, -1.0), 0.0),
+}
+
+
+@pytest.mark.parametrize("h", LINES.values(), ids=LINES)
+def test_a_case_that_holds_on_a_line_alone_makes_no_kink(h):
+    """F = 0 everywhere, whatever the slope of the case that holds on the line."""
+    assert Checked(elastic(h), None, WORK).smooth().holds is not False

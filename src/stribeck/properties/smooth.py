@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import product
 
@@ -120,7 +121,7 @@ def _at_axis(
     here, there = (U, W) if axis == "v" else (W, U)
     sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
     point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
-    box = {**model.inputs, str(here.value): (0.0, reach * _TINY), str(there.value): (other, other)}
+    box = {**model.inputs, str(here.value): (0.0, reach * _TINY), str(there.value): _from(other)}
     forms = [model.form_of(expr, *each) for each in sides]
     if Box(box)(model.form_of(expr, 0, side) if axis == "v" else model.form_of(expr, side, 0)) == (0.0, 0.0):
         # 0 at v = 0: the quotients (f(v) - 0)/v for all small v of either sign, where derivatives have no finite range
@@ -149,7 +150,7 @@ def _at_surface(
         place = _crossing(model, difference, x, y, given, guess[1] if x is W else guess[0])
         if place is None:
             continue
-        box = {**model.inputs, str(x.value): place, str(y.value): (given, given)}
+        box = {**model.inputs, str(x.value): place, str(y.value): _from(given)}
         middle = 0.5 * (place[0] + place[1])
         u, w = (given, middle) if x is W else (middle, given)
         rising = _slope(difference, x, sides, box)[0] > 0  # the condition then holds below
@@ -162,7 +163,8 @@ def _at_surface(
 
 def _slope(form: Expr, by: Expr | None, sides: tuple[int, int], box: dict[str, Range]) -> Range:
     """The range of the derivative by v (``by`` U) or z (W), or of the value, of a form for v and z of these signs."""
-    return _range(form, box) if by is None else _signed(_range(derivative(form, by), box), by, sides)
+    slope = _range(form, box, by)
+    return slope if by is None else _signed(slope, by, sides)
 
 
 def _signed(slope: Range, by: Expr, sides: tuple[int, int]) -> Range:
@@ -172,9 +174,10 @@ def _signed(slope: Range, by: Expr, sides: tuple[int, int]) -> Range:
 
 def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:
     """A small interval of x in which a condition certainly switches, with a monotonic difference."""
+    beside = {**model.inputs, str(y.value): _from(given)}
 
     def value(place: float) -> Range:
-        return Box({**model.inputs, str(x.value): (place, place), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
+        return Box({**beside, str(x.value): (place, place)})(difference)  # type: ignore[no-any-return]
 
     hints = model.prover.hints
     known = np.array([float(a) for a in (hints.speeds if x is U else hints.lengths)])
@@ -190,9 +193,7 @@ def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, gu
             if sign == 0 or not low < middle < high:
                 break
             low, high = (middle, high) if sign == first else (low, middle)
-        slope = Box({**model.inputs, str(x.value): (low, high), str(y.value): (given, given)})(
-            derivative(difference, x)
-        )
+        slope = _range(difference, {**beside, str(x.value): (low, high)}, x)
         if high - low <= 1e-6 * high and (slope[0] > 0 or slope[1] < 0):
             return low, high
     return None
@@ -202,12 +203,17 @@ def _sign(x: Range) -> int:
     return 1 if x[0] > 0 else -1 if x[1] < 0 else 0
 
 
-def _range(expr: Expr, box: dict[str, Range]) -> Range:
-    """The range of an expression, or all numbers if a case is undecided in the box."""
+def _from(x: float) -> Range:
+    """A place as a range with an inside: on a line alone a case may hold that holds nowhere beside it."""
+    return x, math.nextafter(x, math.inf)
+
+
+def _range(expr: Expr, box: dict[str, Range], by: Expr | None = None) -> Range:
+    """The range of an expression, or of its derivative; all numbers if a case of the expression is undecided in the box."""
     evaluated = Box(box)
     value: Range = evaluated(expr)
     unsettled = any(n.op in ("lt", "le") and evaluated.known[n] is None for n in ordered([expr]))
-    return (-np.inf, np.inf) if unsettled else value
+    return EVERYTHING if unsettled else value if by is None else evaluated(derivative(expr, by))
 
 
 def _apart(a: Range, b: Range) -> bool:
