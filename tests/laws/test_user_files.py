@@ -175,14 +175,14 @@ def test_a_fit_with_a_law_that_has_no_force_at_the_records_speeds(tmp_path, caps
     assert _status(["fit", str(path), "--law", one_sided(tmp_path, force), *WAYS]) == 2
     out, error = capsys.readouterr()
     assert out == ""
-    assert "law 'Mine': gives no force within 1e100 in size at the speeds of this record (-0.1 to 0.1)" in error
+    assert "law 'Mine': gives no force within 1e+100 N in size at the speeds of this record (-0.1 to 0.1)" in error
     assert len(error.splitlines()) == 1
 
 
 def test_a_fit_with_a_law_for_one_direction_of_a_record_in_that_direction(tmp_path):
     v = 0.02 + 0.015 * np.sin(0.03 * np.arange(600))
     path = record(tmp_path, v, 2.0 * np.sqrt(v))
-    fitted = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", forms=False)
+    fitted = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F")
     assert fitted.estimates["c"].value == pytest.approx(2.0, rel=2e-3)
 
 

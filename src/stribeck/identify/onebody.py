@@ -41,6 +41,7 @@ from stribeck.simulation import simulate
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
+_MOST_FORCE = 1e100  # N: its square is a number
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
@@ -68,6 +69,11 @@ class OneBody:
     wanted: tuple[str, ...]
     output: str
     first: dict[str, Guess] = field(default_factory=dict)
+
+    def first_law(self) -> Law:
+        """The law with initial values."""
+        values = {**self.fixed, **{n: g.value for n, g in self.first.items()}}
+        return self.law({n: x for n, x in values.items() if n in self.law.constants()})
 
     def path(self, name: str) -> str:
         """The path of a parameter in the machine, or beside its output."""
@@ -182,6 +188,11 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
         raise InputError(problems)
     model = OneBody(law, name, tuple(free), _defaults(law, fixed, free), held, tuple(wanted), output)
     _first(model, log)
+    with np.errstate(all="ignore"):
+        force = model.first_law().steady_force(v := log.velocity)
+    if not np.all(abs(force) <= _MOST_FORCE):
+        text = f"gives no force within {_MOST_FORCE:g} N in size at the speeds of this record ({v.min():.3g} to {v.max():.3g})"
+        raise InputError(f"law '{law.name}': {text}")
     return model
 
 
@@ -307,8 +318,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
             start = begin if given.start is None and given.prior is None else given.start
             sought.append(replace(given, path=path, start=start, label=n))
     if model.law.has_z:
-        known = {**model.fixed, **{n: g.value for n, g in model.first.items()}}
-        law = model.law({n: x for n, x in known.items() if n in model.law.constants()})
+        law = model.first_law()
         way = _BENT * law.scales(law.p).length
         for i, rows in enumerate(_runs(log)):
             slid = float(law.steady_deflection(float(log.velocity[rows.start])))
