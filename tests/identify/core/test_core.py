@@ -182,6 +182,15 @@ def test_a_very_long_record_is_predicted_from_stretches_of_it(plain):
     assert 0 < np.linalg.norm(part.force(other) - whole.force(other)) < 0.01 * np.linalg.norm(other.force)
 
 
+def test_stretches_of_a_long_record_belong_to_its_files():
+    log = record()
+    both = log.with_columns(run=(np.arange(len(log)) > len(log) // 3).astype(np.int32), files=("a.csv", "b.csv"))
+    stretches = shortened(both, len(log) // 3)
+    at = [int(np.searchsorted(log.time, stretches.time[rows.start])) for rows in stretches.runs()]
+    assert list(stretches.files) == ["a.csv" if i <= len(log) // 3 else "b.csv" for i in at]
+    assert len(set(stretches.files)) == 2
+
+
 @pytest.mark.parametrize("extra", [lambda t, y, v, a: 0.0, lambda t, y, v, a: 25.0 * y])
 def test_the_prediction_of_another_motion_survives_a_file(extra):
     built = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))

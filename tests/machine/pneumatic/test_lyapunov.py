@@ -150,6 +150,9 @@ def test_proposed_gains_hold_with_room(v_max):
         verdict = gain_verdict(scenario.law, {**given, name: value}, v_max)
         assert verdict.exact.holds
         assert prove(scenario.law, {**given, name: value}, (-v_max, v_max)).proven
+    if proposed["K"] < given["K"]:
+        twice = [{**given, "K": 2 * share * proposed["K"]} for share in (1 - 1e-6, 1 + 1e-6)]
+        assert [gain_verdict(scenario.law, each, v_max).exact.holds for each in twice] == [True, False]
 
 
 @pytest.mark.parametrize("name", ["lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant"])
