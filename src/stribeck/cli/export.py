@@ -38,7 +38,8 @@ class PartOptions:
         setting(
             "--part",
             "PART",
-            "law, body, observer, controller, compensator or machine; law unless given (machine for a machine file).",
+            "law, body, observer, controller, compensator or machine; law unless given, "
+            "or machine for a machine file if the target has it.",
         ),
     ] = None
     scenario: Annotated[
