@@ -58,7 +58,7 @@ def export(
 ) -> list[Path]:
     """Write a law, a controller or a machine for another tool.
 
-    The loss of accuracy at the time step ``step``, if given, is reported first as a :class:`stribeck.StribeckNote`.
+    The loss of accuracy at the time step ``step``, if given, is reported first as a :class:`stribeck.errors.StribeckNote`.
 
     Args:
         law: the law with its constants; None for the scenario's own; or in its place a scenario, its file or its tables.

@@ -93,7 +93,7 @@ def judge(
     slowest: Array | None = None,
     most_steps: int = MOST_STEPS,
 ) -> list[Judgment]:
-    """The judgment of each lane of ``values`` (as for :func:`stribeck.simulate_ensemble`); of the file if there are none.
+    """The judgment of each lane of ``values`` (as for :func:`stribeck.simulate`); of the file if there are none.
 
     A lane is simulated until its signals rest and then for :data:`SHORTEST` of the slowest time constants; the second half
     of these is judged. Unless it shows a steady state (rest with constant friction, a cycle of constant size), the lane is

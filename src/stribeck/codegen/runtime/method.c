@@ -130,7 +130,7 @@ UNUSED static const double LEAST_WAY = 1e-6;
 
 /* Why a trajectory restarts at a breakpoint with a step of unknown length: the signal jumps, or its slope does; or a
    sampled controller's output does. A long step over a corner would damp the fast motion it sets off, and nothing would
-   tell. The first three stand in signals/pieces.py too. */
+   tell. The first three stand in waveforms/pieces.py too. */
 enum { SMOOTH = 0, JUMP = 1, CORNER = 2, OUTPUT = 3 };
 static const double CORNER_EASE = 16; /* a corner allows a longer first step than a jump */
 

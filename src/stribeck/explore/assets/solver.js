@@ -117,7 +117,7 @@ function table(memory, law, setting, found, start, states, rows) {
   const columns = law.columns.length, values = memory.empty(rows * columns), { api } = memory;
   for (let i = 0, n = 0; i < rows; i++) {
     const t = i * setting.step;
-    while (n + 1 < start.length && start[n + 1] <= t * (1 + 1e-12)) n++; // signals/pieces.py
+    while (n + 1 < start.length && start[n + 1] <= t * (1 + 1e-12)) n++; // waveforms/pieces.py
     api.system_columns(p, piece_rows + n * piece, t, states + 8 * i * width, values + 8 * i * columns);
   }
   return memory.view(values, rows * columns);

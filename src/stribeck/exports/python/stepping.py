@@ -4,7 +4,7 @@ The step is backward Euler. The velocity w at its end solves inertia/dt (w - v) 
 root x of x = z + dt dz/dt(w, x). The exported C's ``body_step`` does the same, by the same iteration.
 
 ``xp`` is the library (``torch``, ``jax.numpy``, ``numpy``), and ``loop(body, state)`` is :func:`loop` or JAX's. ``law`` has
-the equations: see :func:`stribeck.exports.python.written.equations`.
+the equations: see :func:`stribeck.exports.python.written.written_equations`.
 """
 
 from __future__ import annotations
