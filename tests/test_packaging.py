@@ -27,6 +27,14 @@ def test_floors_are_the_releases_that_were_tried():
     assert sorted(line for line in tried if not line.startswith("#")) == sorted(floors)
 
 
+def test_every_extra_that_a_page_names_exists():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        named = re.findall(r"stribeck\[(\w+)\]|extra `(\w+)`", text)
+        assert {a or b for a, b in named} <= project["optional-dependencies"].keys(), page
+
+
 @pytest.mark.thorough
 def test_the_sdist_holds_no_tests(tmp_path):
     """By default setuptools takes tests/test*.py alone, which do not run without the files beside them."""
