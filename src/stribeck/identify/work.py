@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -51,9 +50,9 @@ class Work:
                 self._tell(self.share)
 
     def tick(self) -> None:
-        """Another simulation is done; nobody knows how many there will be, so each goes a part of what is left."""
+        """Another simulation is done; nobody knows how many there will be: half of the section is ``_TYPICAL`` of them."""
         self._ticks += 1
-        self.done(1 - math.exp(-self._ticks / _TYPICAL))
+        self.done(self._ticks / (self._ticks + _TYPICAL))
 
     @property
     def stopped(self) -> bool:
