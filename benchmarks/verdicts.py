@@ -5,7 +5,8 @@ conditions of docs/explanation/theory.md, evaluated here with rational numbers. 
 
     python benchmarks/verdicts.py [--sets 20] [--seed 0]
 
-Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
+Every verdict is given to the second checker, and counts as wrong where it refuses the certificate of a yes or contradicts
+the counterexample of a no.
 """
 
 from __future__ import annotations
@@ -76,6 +77,8 @@ class Row:
                 self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
             elif verdict.holds and (refused := refusals(verdict.certificate, law, what)):
                 self.wrong.append(f"{name}: {what}: its certificate is refused: {refused[0]}")
+            elif verdict.holds is False and verdict.verify(law, what) is False:
+                self.wrong.append(f"{name}: {what}: its counterexample is contradicted")
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
                 self.wrong.append(f"{name}: {what}: {text}")
 
