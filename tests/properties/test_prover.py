@@ -75,6 +75,8 @@ def test_signs_of_polynomials():
         ((W - 1) * sign(W - 1), True),
         ((U - W) ** (2 * (1 + W) / (1 + W)), True),
         ((U + 1) ** W, True),
+        (2 - (1 - 2 * U) ** 0.3, False),  # the power is at most 1, but has no value for U > 1/2
+        ((U - 1) * (U - 1) ** (-W / W), False),  # 1, but for U = 1
         (2 + sin(sqrt(U - 1)), False),
         (-sign(W - 1), False),
         (sign(W - 1), False),
@@ -164,7 +166,15 @@ def test_the_verdict_does_not_depend_on_time():
 
 def test_a_function_of_a_function_whose_value_has_a_divisor():
     """exp(y) >= 1 + y for y = -atan(u), which far out is (1 - c)/u - pi/2: its numerator has a divisor of its own."""
-    region = Region((Axis("u", Fraction(1), None),), (Axis("u", Fraction(1), None),))
+    region = Region((Axis("u", Fraction(1), None),))
     for expr, holds in ((exp(-atan(U)) - 1 + atan(U), True), (exp(-atan(U)) - 1 + atan(U) / 2, False)):
         leaf = Leaf(Ring({}), region, Rules(exp="tangent", wave="far"), {})
         assert leaf.signs(leaf.convert(expr))[0] is holds
+
+
+@pytest.mark.parametrize(("u", "w"), [(0.3, 1e-5), (7e-3, 1.1e-5), (0.1, 0.3)])
+def test_both_triangles_of_a_rectangle_lie_within_it(u, w):
+    sides = Axis("u", Fraction(0), Fraction(u)), Axis("w", Fraction(0), Fraction(w))
+    within = Region(sides).bounds()
+    for axis, share, steep in ((sides[0], "q", sides[1]), (sides[1], "p", sides[0])):
+        assert Region((axis, Axis(share, Fraction(0), steep.high / axis.high))).bounds() == within

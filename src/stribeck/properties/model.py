@@ -88,7 +88,7 @@ class Model:
             what = "is beyond what floats hold" if beyond else "is not a positive number"
             raise Unreadable(f"z_bound of the law {what}: it lies between {low:g} and {high:g} m")
         try:
-            quotient = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
+            quotient = Leaf(self.ring, Region(()), Rules(), self.inputs).convert(self._bound)
         except Unclear:
             return Fraction(low), Fraction(high)
         exact = quotient.rational
@@ -181,7 +181,7 @@ class Model:
     def _anywhere(self, rules: Rules) -> Leaf:
         """A leaf for all u, w > 0."""
         axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
-        return Leaf(Ring(self.ring.values), Region(axes, axes), rules, self.inputs)
+        return Leaf(Ring(self.ring.values), Region(axes), rules, self.inputs)
 
 
 def _sided(x: Expr, side: int) -> Expr:

@@ -27,12 +27,10 @@ class Region:
     """A part of the domain. ``axes`` are some of u and w, or (w, p) with u = p w, or (u, q) with w = q u.
 
     Attributes:
-        limits: the ranges of u and w that the claim is about.
         closed: u = 0 and w = 0 belong to it, where a range begins with 0.
     """
 
     axes: tuple[Axis, ...]
-    limits: tuple[Axis, ...]
     closed: bool = False
 
     def axis(self, name: str) -> Axis | None:
@@ -46,27 +44,17 @@ class Region:
         return self.with_axes(*below), self.with_axes(*above)
 
     def with_axes(self, *axes: Axis) -> Region:
-        """The same claim in other coordinates."""
-        return Region(axes, self.limits, self.closed)
+        """The same in other coordinates."""
+        return Region(axes, self.closed)
 
     def bounds(self) -> dict[str, Range]:
         """The ranges of u and w, as floats rounded outward."""
-        ranges: dict[str, Range] = {}
-        for axis in self.axes:
-            ranges[axis.name] = floats(axis)
+        ends: dict[str, ExactRange] = {axis.name: (axis.low, axis.high) for axis in self.axes}
         for share, missing, by in (("p", "u", "w"), ("q", "w", "u")):
-            if share in ranges:
-                a, b = ranges.pop(share), ranges[by]
-                low, high = down(Fraction(a[0]) * Fraction(b[0])), INF
-                if a[1] < INF and b[1] < INF:
-                    high = up(Fraction(a[1]) * Fraction(b[1]))
-                ranges[missing] = (low, high)
-        for axis in self.limits:
-            least, most = floats(axis)
-            if axis.name in ranges:
-                a = ranges[axis.name]
-                ranges[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
-        return ranges
+            if share in ends:
+                (low, high), (least, most) = ends.pop(share), ends[by]
+                ends[missing] = low * least, None if high is None or most is None else high * most
+        return {name: (down(low), INF if high is None else up(high)) for name, (low, high) in ends.items()}
 
 
 def down(x: Fraction) -> float:
@@ -79,8 +67,3 @@ def up(x: Fraction) -> float:
     """A float that is not below x."""
     f = float(x) if abs(x) < _FAR else (INF if x > 0 else -1e300)
     return f if f == INF or Fraction(f) >= x else nextafter(f, INF)
-
-
-def floats(axis: Axis) -> Range:
-    """The axis' range as floats, rounded outward."""
-    return down(axis.low), INF if axis.high is None else up(axis.high)
