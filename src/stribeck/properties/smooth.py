@@ -217,8 +217,7 @@ def _range(expr: Expr, box: dict[str, Range], by: Expr | None = None) -> Range:
 
 
 def _apart(a: Range, b: Range) -> bool:
-    if not np.all(np.isfinite([*a, *b])):
-        return False
+    """Whether two ranges differ by more than rounding; never if one has no end, as no gap exceeds its size."""
     gap = max(a[0] - b[1], b[0] - a[1])
     return gap > _APART * max(abs(a[0]), abs(a[1]), abs(b[0]), abs(b[1]))
 
