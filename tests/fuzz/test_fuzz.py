@@ -15,11 +15,12 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a hanging comma
 @pytest.fixture
 def attack(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
+    import kills
     import machines
     import mutations
     import parameters
 
-    return {"mutations": mutations, "parameters": parameters, "machines": machines}
+    return {"kills": kills, "mutations": mutations, "parameters": parameters, "machines": machines}
 
 
 @pytest.mark.parametrize(("name", "count"), [("mutations", 24), ("parameters", 6), ("machines", 1)])
@@ -54,6 +55,23 @@ def test_a_signal_while_the_commands_are_read(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "stribeck.cli.app", Halfway("stribeck.cli.app"))
     assert _status(["doctor"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+@pytest.mark.thorough
+def test_every_command_that_is_killed_works(attack, monkeypatch, tmp_path, capsys):
+    """Both results, which the kills of ``make fuzz`` tell apart, can be written."""
+    kills = attack["kills"]
+    monkeypatch.chdir(tmp_path)
+    kills.prepare(tmp_path)
+    for what, (older, added, last) in kills.COMMANDS.items():
+        out = tmp_path / f"{what} out"
+        out.mkdir()
+        target = out / kills.FILES[what] if what in kills.FILES else out
+        for more in ((), added):
+            if what in kills.FIRST_ONLY:
+                target.unlink(missing_ok=True)
+            assert _status([what.split()[0], *older, "--out", str(target), *more]) == 0, (what, capsys.readouterr().err)
+        assert last is None or (out / last).exists(), what
 
 
 def test_the_attack_sees_a_machine_that_is_off(attack, monkeypatch):

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
@@ -29,7 +30,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "sweep": (("stick_slip.toml", "--vary", "law.k_v=1e6:1e8:40:log"), (), None),
     "check": (("lugre", "--parameters", "canudas1995"), ("--set", "sigma_1=100"), "report.html"),
     "check creep": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), "report.html"),
-    "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
+    "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--mass", "2.0"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
     "fit plan": (_PLAN, ("--seed", "3"), "program.csv"),
     "design": (("machine.toml",), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
@@ -47,7 +48,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
     "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
 }  # fmt: skip
-_FILES = {  # in out
+FILES = {  # in out
     "export": "law.fmu",
     "explore": "page.html",
     "new": "new.toml",
@@ -55,7 +56,7 @@ _FILES = {  # in out
     "import": "servo.toml",
 }
 _JOURNALS = ("fit.partial.json",)  # from which a search goes on; of no result
-_FIRST_ONLY = ("new",)  # refuses what is there
+FIRST_ONLY = ("new", "library")  # refuse what is there
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
 
@@ -76,21 +77,19 @@ def campaign(
     return ended, faults
 
 
-def _prepared(place: Path) -> dict[str, str]:
-    """The input of every command; the environment."""
+def prepare(place: Path) -> None:
+    """Write the input of every command."""
     for name in ("stick_slip", "machine"):
         (place / f"{name}.toml").write_bytes(examples.path(name).read_bytes())
     solution = stribeck.simulate(stribeck.Scenario.load(place / "stick_slip.toml", {"solve.t_end": 5.0}))
     rows = zip(*(x.tolist() for x in (solution.t, solution["y"], solution["F"])), strict=True)
     (place / "log.csv").write_text("t,y,F\n" + "".join(f"{t!r},{y!r},{f!r}\n" for t, y, f in rows))
-    (place / "model").mkdir()
-    model = {"format": 1, "law": "coulomb_viscous", "method": "static", "values": {"F_c": 1.0, "sigma_2": 0.4},
-             "columns": {"time": "t", "position": "y", "force": "F"}}  # fmt: skip
-    (place / "model" / "fit.json").write_text(json.dumps(model))
+    with warnings.catch_warnings(action="ignore"):
+        model = stribeck.fit(place / "log.csv", "coulomb_viscous", time="t", position="y", force="F", forms=False)
+    model.save(place / "model")
     bam = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
     (place / "servo.json").write_text(json.dumps(bam))
     _recorded(place)
-    return os.environ | {"STRIBECK_CACHE": os.environ.get("STRIBECK_CACHE", str(place / "cache"))}
 
 
 def _recorded(place: Path) -> None:
@@ -113,18 +112,20 @@ def _recorded(place: Path) -> None:
 
 
 def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: dict[str, float]) -> str | None:
-    environment, out = _prepared(place), place / "out"
+    prepare(place)
+    environment = os.environ | {"STRIBECK_CACHE": os.environ.get("STRIBECK_CACHE", str(place / "cache"))}
+    out = place / "out"
     older, added, last = COMMANDS[what]
-    target = out / _FILES[what] if what in _FILES else out
+    target = out / FILES[what] if what in FILES else out
     command = [sys.executable, "-m", "stribeck", what.split()[0], *older, "--out", str(target)]
     out.mkdir()
-    if what not in _FIRST_ONLY or what not in took:
+    if what not in FIRST_ONLY or what not in took:
         began = time.monotonic()
         done = subprocess.run(command, env=environment, cwd=place, check=False, capture_output=True)
         took[what] = min(took.get(what, math.inf), time.monotonic() - began)  # the first compiles
         if done.returncode:
             return f"{what}: {done.stderr.decode()[:200]}"
-    if what in _FIRST_ONLY:
+    if what in FIRST_ONLY:
         target.unlink(missing_ok=True)
     old = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     process = subprocess.Popen(
@@ -148,7 +149,7 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
         return f"{what} {number.name}: a traceback"
     if fault := _left(out, old, None if last is None else out / last, number):
         return f"{what} {number.name} {fault}"
-    if what in _FIRST_ONLY:
+    if what in FIRST_ONLY:
         target.unlink(missing_ok=True)
     again = subprocess.run([*command, *added], env=environment, cwd=place, check=False, capture_output=True)
     return None if again.returncode == 0 else f"{what} after {number.name}: {again.stderr.decode()[:200]}"
