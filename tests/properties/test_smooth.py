@@ -2,7 +2,7 @@
 
 import pytest
 
-from stribeck.expressions.ops import both, sign, where
+from stribeck.expressions.ops import both, sign, tanh, where
 from stribeck.laws import BristleLaw
 from stribeck.properties import WORK
 from stribeck.properties.checked import Checked
@@ -17,11 +17,17 @@ SIDES = {
     "jump at a z > 0": (lambda v, z: where(z > 0.8 * C, 3.0, 1.0), "value", 1.0, 3.0),
     "jump at a z < 0": (lambda v, z: where(z > -0.8 * C, 3.0, 1.0), "value", 1.0, 3.0),
     "jump at a v > 0": (lambda v, z: where(v < 0.8 * S, 1.0, 3.0), "value", 1.0, 3.0),
+    "jump at a speed that the search tries": (lambda v, z: where(v < 0.9 * S, 1.0, 3.0), "value", 1.0, 3.0),
     "jump at a v < 0": (lambda v, z: where(v < -0.8 * S, 1.0, 3.0), "value", 1.0, 3.0),
     "kink at v = 0": (lambda v, z: where(v > 0, 3.0, 1.0) * v, "by v", 1.0, 3.0),
     "kink at z = 0": (lambda v, z: where(z > 0, 3.0, 1.0) * z, "by z", 1.0, 3.0),
     "kink at a z < 0": (lambda v, z: where(z > -0.8 * C, 3.0, 1.0) * (z + 0.8 * C), "by z", 1.0, 3.0),
     "kink at a v < 0": (lambda v, z: where(v > -0.8 * S, 3.0, 1.0) * (v + 0.8 * S), "by v", 1.0, 3.0),
+    "slope where v < 0 beside smooth cases where v > 0": (
+        lambda v, z: where(v < -S / 2, sign(z) * (v + S / 2) ** 2, 0.0)
+        + sum(where(v > k * S, (v - k * S) ** 2, 0.0) for k in range(1, 6)),
+        "by v", S, -S,
+    ),
     # derivatives of 2 (z + C/2) and of -2 (z + C/2) at z = -C
     "slope along v = 0 where z < 0": (lambda v, z: where(z < -C / 2, sign(v) * (z + C / 2) ** 2, 0.0), "by z", C, -C),
     "slope along v = 0 on one side": (lambda v, z: where(both(v > 0, z < -C / 2), (z + C / 2) ** 2, 0.0), "by z", 0, -C),
@@ -65,7 +71,7 @@ def test_each_side_of_a_kink_has_its_own_value(h, of, below, above):
 LINES = {
     "z": lambda v, z: where(both(z <= C, z >= C), (z - C) * sign(v), 0.0),
     "v": lambda v, z: where(both(v <= S, v >= S), (v - S) * sign(z), 0.0),
-    "v, in a condition": lambda v, z: where(where(both(v <= S, v >= S), -1.0, 1.0) + (v - S) < 0, v - S, 0.0),
+    "v, in a condition": lambda v, z: where(where(both(v <= S, v >= S), -2.0, 2.0) + tanh(v) < 0, v - S, 0.0),
     "v, across a condition": lambda v, z: where(both(v <= S, v >= S), (v - S) * where(z < 0.8 * C, 1.0, -1.0), 0.0),
 }
 

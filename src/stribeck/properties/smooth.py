@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -105,7 +105,7 @@ def _kinks(model: Model, name: str, expr: Expr, work: Budget) -> Iterator[Verdic
     places = [
         (a * scales.speed, b * scales.length) for a in (1.0, 0.3, 3.0, 0.01) for b in (0.5, 0.9, 0.7, 0.3, 0.97, 0.997)
     ]
-    for (s, t), (speed, length) in product(product(SIGNS, SIGNS), places):
+    for (speed, length), s, t in product(places, SIGNS, SIGNS):
         work.take()
         yield from _at_axis(model, name, expr, "v", t, length, speed)
         yield from _at_axis(model, name, expr, "z", s, speed, length)
@@ -182,11 +182,11 @@ def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, gu
     hints = model.prover.hints
     known = np.array([float(a) for a in (hints.speeds if x is U else hints.lengths)])
     points = np.sort(np.concatenate([guess * np.geomspace(1e-4, 1e4, 161), known * 0.9, known * 1.1]))
-    signs = [_sign(value(float(p))) for p in points]
-    for i in range(len(points) - 1):
-        if signs[i] * signs[i + 1] >= 0:
+    signs = {place: sign for place in points.tolist() if (sign := _sign(value(place)))}
+    for low, high in pairwise(signs):
+        if signs[low] == signs[high]:
             continue
-        low, high, first = float(points[i]), float(points[i + 1]), signs[i]
+        first = signs[low]
         while high - low > 1e-13 * high:
             middle = 0.5 * (low + high)
             sign = _sign(value(middle))
