@@ -20,9 +20,11 @@ ONCE_MISTREATED = ("ThirteenthOfManyWindows", "ConditionsWithoutEnd", "ChainOfEq
 
 
 def wrong(case: Case) -> list[str]:
-    """The verdicts on a law that contradict its truth."""
-    result = stribeck.check(case.law())
-    return [
+    """The verdicts on a law that contradict its truth, and the counterexamples that the second checker contradicts."""
+    law = case.law()
+    result = stribeck.check(law)
+    contradicted = [n for n in PROPERTIES if result[n].holds is False and result[n].verify(law, n) is False]
+    return [f"{case.kind}.{case.name}: {name}: contradicted" for name in contradicted] + [
         f"{case.kind}.{case.name}: {name}: {result[name].holds}, true is {case.truth[name]}: {result[name].method}"
         for name in PROPERTIES
         if None not in (result[name].holds, case.truth[name]) and result[name].holds is not case.truth[name]

@@ -1,6 +1,6 @@
 """Forces and rates that are piecewise constant in z, dz/dt or v: windows some percent, some ppm wide, far out, far in."""
 
-from stribeck.expressions.ops import both, sign, where
+from stribeck.expressions.ops import both, sign, sqrt, where
 from stribeck.laws import Claims
 from stribeck.laws.terms import g
 from tests.properties.nasty.base import Lopsided, added, rate
@@ -49,3 +49,19 @@ def RateWindowOfZ(p, v, z):
     derived."""
     u = abs(z) * p.sigma_0 / p.F_s
     return v - where(both(u > 0.90, u < 0.92), -1.0, 1.0) * abs(v) / g(p, v) * z
+
+
+class SlopesWherePushedBack(Lopsided):
+    """The sqrt majorant with h = 0.1 sgn(v) (2 u + 1)^2 for u = z/Z < -1/2: it jumps at v = 0, where its slopes by z differ
+    for such z only: not smooth. h v >= 0: passive as the majorant is (sigma_1 m(0) = 1e-4 <= F_s)."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt(v**2 + 1e-12) / g(p, v) * z
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        u = z * p.sigma_0 / p.F_s
+        return where(u < -0.5, 0.1 * sign(v) * (2 * u + 1) ** 2, 0.0)
