@@ -64,6 +64,19 @@ def test_every_parameter_of_lugre_is_found(full):
     assert fit.relative_force_error == pytest.approx(noise, rel=0.05)
 
 
+def test_ranges_hold_where_the_stribeck_curve_is_another():
+    """A curve of exponent 1 put sigma_2 at its lower bound. Along a measured motion no form of friction was tried, so that
+    F_c was identified beside its truth; and sigma_2, by its logarithm, had no upper end."""
+    tests = [*rig.LOOPS, *map(rig.stroke, (5e-4, 1e-3, 2e-3, 4e-3, 6e-3, 8e-3))]
+    fit = fitted(rig.measured(tests, delta=1.0), mass=0.0)
+    assert fit["sigma_2"].value < 0.01 * rig.TRUTH["sigma_2"]  # its bound
+    for name in ("F_c", "sigma_2", "sigma_0"):
+        low, high = fit[name].range
+        assert low < rig.TRUTH[name] < high, (name, fit[name])
+    assert fit["sigma_2"].range[1] < 20 * rig.TRUTH["sigma_2"]
+    assert fit["F_s"].range[0] < fit.levels["level slow"].value < fit["F_s"].range[1]
+
+
 def test_mass_spring_and_offset_are_told_apart():
     log = rig.measured([*rig.LOOPS, *rig.STROKES], mass=2.0, stiffness=500.0, offset=3.0)
     fit = fitted(log, terms=("stiffness",))

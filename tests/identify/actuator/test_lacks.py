@@ -200,6 +200,24 @@ def test_errors_of_a_sensor_act_through_the_guide_too(what, error, white):
     assert np.linalg.norm(result - moved) < 0.01 * np.linalg.norm(moved)
 
 
+def test_a_term_adds_to_the_friction_of_a_measured_motion():
+    """Nothing moves otherwise: its slopes are its force. What the friction's fitted terms contain is no term."""
+    v = np.cos(7 * T) + 0.5 * np.sin(3 * T)
+    driven = {"arm": {"velocity": {"signal": {"kind": "points", "t": T.tolist(), "value": v.tolist()}}, "rotary": True}}
+    scenario = Scenario({**arm(), "bodies": driven, "loads": {}})
+    sought = [MachineCoordinate(n, x / 5, 5 * x, x, None, {n: 1.0}) for n, x in list(TRUTH.items())[1:]]
+    sought += [MachineCoordinate(n, -9.0, 9.0, 0.0, output=("joint.F", n)) for n in ("offset", "weight")]
+    F = TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v
+    y = np.concatenate([[0.0], np.cumsum((v[1:] + v[:-1]) / 2 * STEP)])
+    run = Recording("run", T, {"joint.F": Channel("F", T, F, beside={"weight": 3 * y})})
+    result = slopes(problem_of(scenario, [(0, run)], sought, {"joint.F": NOISE}))
+    drag = v * abs(v) * np.sqrt(np.mean(F**2) / np.mean((v * abs(v)) ** 2)) / NOISE
+    assert np.allclose(result["joint: drag", 0], drag, atol=1e-2 * abs(drag).max())
+    names = {n.removeprefix("joint: ") for n, _ in result}
+    assert {"cubic drag", "level by direction", "weight"} < names
+    assert not {"offset", "spring"} & names
+
+
 @pytest.mark.thorough
 def test_a_driven_body_feels_no_term():
     """A belt that is driven: the term acts on the mass alone."""

@@ -37,6 +37,7 @@ class MachineCoordinate:
         log: the recording that it belongs to, or None: all.
         nuisance: a nuisance parameter, such as the initial state of a recording.
         bends: whether it is a speed at which a law's curve bends: a fit may have minima at several.
+        plain: whether it is searched by the number itself, whatever its bounds.
     """
 
     name: str
@@ -49,11 +50,12 @@ class MachineCoordinate:
     log: int | None = None
     nuisance: bool = False
     bends: bool = False
+    plain: bool = False
 
     @property
     def logarithmic(self) -> bool:
         """Whether it is searched in the logarithm."""
-        return self.low > 0 and self.high / self.low > _DECADES
+        return not self.plain and self.low > 0 and self.high / self.low > _DECADES
 
     @property
     def bounds(self) -> tuple[float, float]:

@@ -28,6 +28,7 @@ _STEP = 1e-3  # of the contact's friction: the size of a tried term, linear and 
 _FORCES = (".f", ".torque")  # the columns of forces
 _TURNED = 0.3  # rad: over a smaller range, a weight acts as a constant
 _SMOOTHING = (".k_v", ".z_ba")  # parameters of the model, not of the machine
+_FAINT = 1e-9  # relative square of what a column adds to others: below it lies the rounding of an interpolated motion
 _HALF = 0.5  # of a fixed number, to either side: bounds of its coordinate
 AtSpeed = Callable[[Array, Array], Array]  # a term's contribution to the steady level, from level and speed
 
@@ -102,17 +103,24 @@ def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) ->
 
 
 def _friction(problem: MachineProblem, u: Array, motion: RunMotion, words: Mapping[str, str]) -> Iterator[MissingForm]:
-    """The friction terms that a machine's contacts may lack. A unit has the rms of the contact's friction."""
+    """The friction terms that a machine's contacts may lack. A unit has the rms of the contact's friction.
+
+    A term on a body that can move is simulated as a load. In a contact of prescribed motion it adds to the measured friction.
+    """
     contacts = problem.runs[0].scenario.data.get("contacts", {})
     terms: list[tuple[str, str, list[Array], AtSpeed | None]] = []
     added: list[MachineCoordinate] = []
     for contact in contacts:
         friction = rms(motion.each(f"{contact}.F"))
-        for term, forces, at in _terms(problem, u, motion, contact) if _loads(problem.runs[0], contact) else ():
-            if friction > 0 and (size := rms(forces)) > 0:
-                name, size = f"{_ON}.{contact}.{term}", friction / size
+        for term, forces, at in _terms(problem, u, motion, contact):
+            if not (friction > 0 and (size := rms(forces)) > 0):
+                continue
+            name, size = f"{_ON}.{contact}.{term}", friction / size
+            if _loads(problem.runs[0], contact):
                 terms.append((contact, term, forces, at))
                 added.append(MachineCoordinate(name, -size, size, 0.0, None, {name: 1.0}))
+            elif (slopes := _of_force(problem, motion, contact, forces)) is not None:
+                yield _form(contact, term, size * slopes, at and _times(at, size), words)
     if not terms:
         return
     runs = []
@@ -133,9 +141,32 @@ def _friction(problem: MachineProblem, u: Array, motion: RunMotion, words: Mappi
         points[i + 1, len(u) + i] = c.inner(_STEP * c.high)
     r = whole.residuals(points)
     for c, (contact, term, _, at), slopes in zip(added, terms, (r[1:] - r[0]) / _STEP, strict=True):
-        kind, at_speed = term.removesuffix(" sin").removesuffix(" cos"), at and _times(at, c.high)
-        group, label = f"{contact}: {kind}", words.get(contact, f"{contact}: ") + kind
-        yield MissingForm(group, slopes, LARGEST, _of_friction(contact, term), label, contact, at_speed)
+        yield _form(contact, term, slopes, at and _times(at, c.high), words)
+
+
+def _form(contact: str, term: str, slopes: Array, at: AtSpeed | None, words: Mapping[str, str]) -> MissingForm:
+    """A friction term as a form."""
+    kind = term.removesuffix(" sin").removesuffix(" cos")
+    group, label = f"{contact}: {kind}", words.get(contact, f"{contact}: ") + kind
+    return MissingForm(group, slopes, LARGEST, _of_friction(contact, term), label, contact, at)
+
+
+def _of_force(problem: MachineProblem, motion: RunMotion, contact: str, forces: Sequence[Array]) -> Array | None:
+    """The change of the residuals by a force in the measured friction of a contact, given by run; None without a change.
+
+    A force that the fitted errors of this column and its further terms contain, such as its offset, is no form of its own.
+    """
+    column = f"{contact}.F"
+    fitted = [c.output[1] for c in problem.sought if c.output is not None and c.output[0] == column]
+    direct, known = np.zeros(problem.size), np.zeros((problem.size, len(fitted)))
+    for k, target, rows in problem.pieces:
+        if target.column == column:
+            noise = problem.noise[column]
+            direct[rows] = np.interp(target.t, motion.runs[k]["t"], forces[k]) / noise
+            for i, name in enumerate(fitted):
+                known[rows, i] = target.beside.get(name, 1.0 if name == "offset" else 0.0)
+    left = direct - known @ np.linalg.lstsq(known, direct, rcond=None)[0]
+    return problem.whitened(direct) if left @ left > _FAINT * (direct @ direct) else None
 
 
 def _times(at: AtSpeed, size: float) -> AtSpeed:

@@ -38,7 +38,8 @@ class Levels:
     """Friction at recorded ``speeds``, by name; ``slow``, ``strokes``: by contact, the slowest recorded speed, and the
     longest way within a run in distances F_s/sigma_0.
 
-    ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form.
+    ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form; ``static``: by that column, the
+    F_s to which a form adds, and how much.
     """
 
     speeds: dict[str, float]
@@ -47,6 +48,7 @@ class Levels:
     values: Array
     slopes: Array
     of_forms: dict[int, Array]
+    static: dict[int, tuple[str, float]]
 
 
 @dataclass(kw_only=True)
@@ -101,13 +103,16 @@ class MachineLibrary(ModelLibrary):
         return float(np.std(self.measured))
 
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
-        """The fitted parameters and the levels."""
+        """The fitted parameters and the levels. F_s is the level at rest, with all forms."""
         at = self.u + np.clip(x[: self.k], -20.0, 20.0)
         out = {c.name: c.outer(z) for c, z in zip(self.sought, at.tolist(), strict=True)}
         level = self.friction.values + self.friction.slopes @ x[: self.k]
         for place, column in enumerate(self.index(model)[self.k :], self.k):
             if column in self.friction.of_forms and place < len(x):
                 level = level + x[place] * self.friction.of_forms[column]
+                if column in self.friction.static:
+                    name, height = self.friction.static[column]
+                    out[name] = max(out[name] + float(x[place]) * height, 0.0)
         return out | dict(zip(self.friction.speeds, level.tolist(), strict=True))
 
     def fault(self, x: Array) -> Array:
@@ -161,11 +166,12 @@ def regressed(
     """
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
+    sought, scale = _linear(problem, u, asked)
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
     motion = RunMotion.of(problem, u)
     forms = missing_forms(problem, u, motion, words or {})
     room = (problem.high - problem.low)[starts] * WIDE
-    clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
+    clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked] * scale, *(x.slopes for x in forms)]))
     known = list[Array]()
     if under_guide is not None:
         known = [*input_errors(problem, u, J), (J @ steps_apart(problem, u, under_guide))[None]]
@@ -186,16 +192,31 @@ def regressed(
     measured = [(t.x - t.x.mean()) / problem.noise[t.column] for _, t, _ in problem.pieces]
     lib = MachineLibrary(
         columns=columns, gram=gram, groups=groups, starts=[1], natural=[1.0] * columns.shape[1],
-        sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=problem.whitened(np.concatenate(measured)),
+        sought=sought, u=np.array([c.inner(problem.sought[i].outer(u[i])) for i, c in zip(asked, sought, strict=True)]),
+        forms=forms, measured=problem.whitened(np.concatenate(measured)),
         unit=unit, J=J, drawn=drawn,
-        left=left_step(problem, u, r, J)[asked],
-        friction=_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
+        left=left_step(problem, u, r, J)[asked] / scale,
+        friction=_levels(problem, u, asked, scale, motion, dict(enumerate(forms, first)), unit),
     )  # fmt: skip
     search_forms(lib)
     solved, sse = lib.solve(gram.sum(0))
     choice = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     choice.index = next(i for i, m in enumerate(lib.models) if not m[1])
     return choice
+
+
+def _linear(problem: MachineProblem, u: Array, asked: Sequence[int]) -> tuple[list[MachineCoordinate], Array]:
+    """The coordinates in which the residuals are linear, and their slopes by these over those by the searched ones.
+
+    The logarithm of a number at its lower bound has no effect there: no step within a cell shows, and one that would show
+    is beyond it. The number itself has an effect, and its error is that of the number.
+    """
+    sought, scale = [], np.ones(len(asked))
+    for n, i in enumerate(asked):
+        c = problem.sought[i]
+        sought.append(replace(c, plain=True) if c.logarithmic and u[i] <= problem.low[i] else c)
+        scale[n] = sought[n].slope(sought[n].inner(c.outer(u[i]))) / c.slope(u[i])
+    return sought, scale
 
 
 def _without(starts: Array, columns: Array) -> Array:
@@ -218,9 +239,13 @@ def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
 
 
 def _levels(
-    problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, forms: Mapping[int, MissingForm], unit: Array
+    problem: MachineProblem, u: Array, asked: Sequence[int], scale: Array, motion: RunMotion, forms: Mapping[int, MissingForm],
+    unit: Array,
 ) -> Levels:  # fmt: skip
-    """The levels at four recorded speeds, and their derivatives by the coordinates and by each form's column."""
+    """The levels at four recorded speeds, and their derivatives by the coordinates and by each form's column.
+
+    ``scale``: of the derivatives, see :func:`_linear`.
+    """
     speeds, spans = dict[str, float](), dict[str, slice]()
     slow, strokes = dict[str, float](), dict[str, float]()
     fitted = problem.numbers(problem.repaired(u[None])[0])
@@ -248,13 +273,17 @@ def _levels(
     base, slopes = levels(u), np.zeros((len(v), len(asked)))
     for n, i in enumerate(asked):
         step = problem.step if u[i] + problem.step <= problem.high[i] else -problem.step
-        slopes[:, n] = (levels(u + step * (np.arange(len(u)) == i)) - base) / step
-    of_forms = dict[int, Array]()
+        slopes[:, n] = (levels(u + step * (np.arange(len(u)) == i)) - base) / step * scale[n]
+    of_forms, static = dict[int, Array](), dict[int, tuple[str, float]]()
+    F_s = {path: problem.sought[i] for i in asked for path in problem.sought[i].targets if path.endswith(".F_s")}
     for place, form in forms.items():
         if form.at is not None and form.contact in spans:
             rows, of_forms[place] = spans[form.contact], np.zeros(len(v))
             of_forms[place][rows] = form.at(base[rows], v[rows]) / unit[place]
-    return Levels(speeds, slow, strokes, base, slopes, of_forms)
+            if c := F_s.get(path := f"contacts.{form.contact}.law.parameters.F_s"):
+                level = np.array([fitted[path]])
+                static[place] = c.name, float(form.at(level, np.zeros(1))[0] / unit[place])
+    return Levels(speeds, slow, strokes, base, slopes, of_forms, static)
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
