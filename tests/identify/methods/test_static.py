@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.core.states import EstimateState
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.log import Log
+from stribeck.identify.models.curves import SteadyCurve
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
 
@@ -33,6 +35,50 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
     other = fit.predict(record(2))
     assert other.force_error < 0.03
     assert fit.plot().axes
+
+
+def wound(creep=0.01, way=6e-3, v_s=0.02):
+    """A slider on an elastic coupling: behind each reversal it creeps while this winds up, and slides only faster."""
+    step, draw = 0.002, np.random.default_rng(1)
+    times = np.cumsum([0.0, 0.02, 0.3, 0.05, 0.4, 0.08])
+    t = np.arange(0.0, times[-1], step)
+    tops = draw.uniform(0.15, 0.5, 40) * (-1.0) ** np.arange(40)
+    v = np.concatenate([np.interp(t, times, [0, np.sign(x) * creep, np.sign(x) * creep, x, 0.7 * x, 0]) for x in tops])
+    y, a, turned = step * np.cumsum(v), np.gradient(v, step), [1.0]
+    for way_gone in np.diff(y).tolist():
+        turned.append(min(max(turned[-1] + 2 * way_gone / way, -1.0), 1.0))
+    level = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-((v / v_s) ** 2))
+    force = TRUTH["mass"] * a + np.array(turned) * level + TRUTH["sigma_2"] * v + 0.05 * draw.standard_normal(len(v))
+    return Log(step * np.arange(len(v)), y, v, a, force, np.zeros(len(v), np.int32), step=step)
+
+
+def test_a_speed_that_is_met_within_a_play_only_is_not_seen():
+    """F_s had an upper bound from rows in which a coupling winds up: a level at a speed is that of sliding."""
+    creep, v_s = 0.01, 0.02
+    fit = stribeck.fit(wound(creep, v_s=v_s), "stribeck")
+    assert any(form.startswith("play") for form in fit.forms)
+    slow, F_s = fit.speeds["level slow"], fit["F_s"]
+    assert slow > 2 * creep
+    assert F_s.state is EstimateState.AT_LEAST
+    assert F_s.range[0] < TRUTH["F_s"]
+    assert fit["v_s"].state is EstimateState.AT_MOST
+    assert v_s < fit["v_s"].range[1]
+    low, high = fit.levels["level slow"].range
+    assert low < TRUTH["F_c"] + 3 * np.exp(-((slow / v_s) ** 2)) + TRUTH["sigma_2"] * slow < high
+
+
+@pytest.mark.parametrize(("bends", "state"), [([], "identified"), ([0.05], "identified"), ([0.02], "at least")])
+def test_F_s_has_an_upper_bound_if_every_bend_that_it_contains_was_reached(bends, state):
+    """The peak of a bend below all speeds was F_s, identified."""
+    known = {
+        n: Estimate(x, (0.9 * x, 1.1 * x), (0.9 * x, 1.1 * x), EstimateState.IDENTIFIED)
+        for n, x in {"F_c": 5.0, "F_s": 8.0, "v_s": 0.1, "level slow": 7.0}.items()
+    }
+    judged = SteadyCurve("stribeck", {}, ()).judged(known, known["level slow"], 0.02, bends)
+    assert judged["F_s"].state == state
+    if bends == [0.02]:
+        assert judged["F_s"].value == 7.0
+        assert judged["v_s"].state is EstimateState.AT_MOST
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):

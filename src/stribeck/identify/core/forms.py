@@ -161,6 +161,21 @@ def carried(log: Log, at: Anchor) -> Array:
     return np.asarray(c[""] + c.get("sin", 0.0) * np.sin(y) + c.get("cos", 0.0) * np.cos(y))
 
 
+def sliding(log: Log, at: Anchor, names: Sequence[str]) -> Array:
+    """The part of the friction at each row that has the direction of the motion, with some forms.
+
+    Within a play a speed shows what follows the reversal, and nothing of the friction at this speed.
+    """
+    part, sign = np.ones(len(log)), at.curve.sign(log.velocity, at.shape)
+    for name in names:
+        kind, *width = name.split()
+        if kind == "play":
+            part = part * (abs(direction_along(log, float(width[0]) * at.way)) >= 1)
+        elif kind == "lag":
+            part = part * (1 - abs(_lagging(log, sign, float(width[0]) * at.step)) / 2)
+    return np.asarray(part)
+
+
 def steady(name: str, v: Array, at: Anchor, rigid: bool = False) -> Array:
     """A form at steady speeds ``v`` > 0; 0 for forms that act only in unsteady motion.
 

@@ -21,9 +21,18 @@ LARGEST = 0.02  # of the force's standard deviation, or of a number: the largest
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 
 
-def seen_speeds(speeds: Array) -> tuple[float, float, float, float]:
-    """The speeds of the levels: the slowest, the fastest, their geometric mean, and half of the fastest."""
-    slow, fast = np.quantile(speeds, SEEN).tolist()
+def seen_speeds(speeds: Array, counts: Array | None = None) -> tuple[float, float, float, float]:
+    """The speeds of the levels: the slowest, the fastest, their geometric mean, and half of the fastest.
+
+    Args:
+        counts: the weight of each speed; all alike unless given.
+    """
+    if counts is None or np.ptp(counts) == 0:
+        slow, fast = np.quantile(speeds, SEEN).tolist()
+    else:
+        order = np.argsort(speeds)
+        below = np.cumsum(counts[order]) - counts[order] / 2
+        slow, fast = np.interp(SEEN, below / counts.sum(), speeds[order]).tolist()
     return slow, float(np.sqrt(slow * fast)), 0.5 * fast, fast
 
 
@@ -85,8 +94,8 @@ class ModelLibrary(ABC):
         """For a parameter that may be 0: its scale, and whether an interval within a factor of two is narrow too."""
 
     @abstractmethod
-    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
-        """The estimates as reported, with bounds applied and impossible values marked."""
+    def concluded(self, estimates: dict[str, Estimate], model: Model) -> dict[str, Estimate]:
+        """The estimates of a model as reported, with bounds applied and impossible values marked."""
 
     def allowed(self, form: str) -> Array:
         """Whether a form may be combined with each node's law."""

@@ -76,6 +76,9 @@ def _filtered_lower(
     if rows.log.bandwidth is None or options.published:
         return None
     again = _chosen(replace(rows, log=smoother_log(rows.log)), [choice.library.curve.law], body, options)
+    again.library.at = replace(
+        again.library.at, speeds=choice.library.at.speeds
+    )  # levels are compared at the same speeds
     return again.library.parameters(again.model, again.coefficients)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
-from stribeck.identify.core.forms import Anchor, Key, fits, forms, is_bend, steady
+from stribeck.identify.core.forms import Anchor, Key, fits, forms, is_bend, sliding, steady
 from stribeck.identify.core.library import CELL, LARGEST, LEVELS, STEEP, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
@@ -98,7 +98,7 @@ class SteadyLibrary(ModelLibrary):
         """A share of the force's standard deviation, which a constant preload does not enlarge."""
         return LARGEST * self.deviation
 
-    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate], model: Model) -> dict[str, Estimate]:
         """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
 
         A mass below 0 is reported as it is, but never identified.
@@ -108,7 +108,8 @@ class SteadyLibrary(ModelLibrary):
                 estimates[n] = e = e.within(least, np.inf)
             if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
-        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0])
+        bends = [float(g.split()[1]) * self.at.fast for g in model[1] if g.startswith("bend")]
+        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0], bends)
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
@@ -390,4 +391,7 @@ def chosen(
         refine(lib, rows)
     out = Selection(libraries, [lib.solve(lib.gram.sum(0))[0] for lib in libraries], rows, alone)
     out.law, out.index, *_ = out.choose(np.ones(len(libraries[0].gram)))
+    lib, log, at = out.library, out.library.record.log, out.library.record.at
+    seen = seen_speeds(abs(log.velocity[at]), sliding(log, lib.at, out.model[1])[at])
+    lib.at = replace(lib.at, speeds=(*seen, *speeds))
     return out
