@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from stribeck.cli import _status
+from tests.machine.machines import solved
 
 FOLDER = Path(__file__).parent.parent.parent / "tools" / "fuzz"
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a hanging command is ended by a signal")
@@ -93,6 +94,12 @@ def test_the_attack_sees_a_machine_that_is_off(attack, monkeypatch):
     what, fault = machines.one(data)
     assert what == "differ"
     assert "off by" in fault
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("seed", [0, *range(2, 9)])  # nothing drives machine 1
+def test_the_energy_of_random_machines_balances(attack, seed):
+    assert solved(attack["machines"].random_machine(seed)).peaks["E_in"] > 0
 
 
 def test_ctrl_c_tells_how_far_it_came(attack, monkeypatch, capsys):

@@ -7,10 +7,10 @@ import warnings
 from collections import Counter
 
 import numpy as np
+from random_machines import random_machine
 
 from stribeck import InputError, Scenario, simulate
 from tests.reference import apart
-from tests.reference.random_machines import random_machine
 
 _MOTION, _FORCE = 1e-5, 2e-4  # of the peak: what the second solver itself is good for
 _UNSURE = 10.0  # by how much more than between two tolerances of the second solver
