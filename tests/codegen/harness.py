@@ -3,35 +3,10 @@
 import ctypes
 import subprocess
 
-import numpy as np
-
 from stribeck.codegen import source
 from stribeck.simulation import compiler
 
-DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C")
-
 _WRAPPERS = """
-EXPORT void test_rates(const Parameters *p, const double *s, double t, const double *x, double *dx)
-{
-    const Segment piece = {s[0], s[1], s[2]};
-    Coefficients c;
-    prepare(p, &c);
-    rates(p, &c, &piece, t, x, dx);
-}
-
-EXPORT void test_solve(const Parameters *p, const double *s, double t, const double *x, double shift,
-                       const double *right, double *k, double *df_dt)
-{
-    const Segment piece = {s[0], s[1], s[2]};
-    Coefficients c;
-    Jacobian jac;
-    Factors fac;
-    prepare(p, &c);
-    jacobian(p, &c, &piece, t, x, &jac, df_dt);
-    factorise(p, &c, &jac, shift, 1 / shift, &fac);
-    solve(p, &c, &jac, shift, 1 / shift, &fac, right, k);
-}
-
 /* n steps of length h, accepted whatever their error: no step control. */
 EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
 {
@@ -73,8 +48,4 @@ def compiled(system, folder):
     code.write_text(source(system) + _WRAPPERS)
     chosen = compiler.find()
     subprocess.run([*chosen.command, "-O0", "-fPIC", "-shared", "-o", library, code, "-lm"], check=True)
-    loaded = ctypes.CDLL(str(library))
-    a, d = DOUBLES, ctypes.c_double
-    loaded.test_rates.argtypes = [a, a, d, a, a]
-    loaded.test_solve.argtypes = [a, a, d, a, d, a, a, a]
-    return loaded
+    return ctypes.CDLL(str(library))

@@ -296,33 +296,6 @@ def in_newton(module):
     return state.joint_q.numpy()
 
 
-@pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
-def test_a_body_gives_no_energy_back(name, tmp_path):
-    """The C's implicit step under a load that is held: kinetic energy and the bristles' never grow."""
-    contact = {"law": law(name), "loads": [{"force": "press", "F_c": 0.1, "F_s": 0.2}], "factors": {}}
-    stribeck.export(rig(**contact), "c", tmp_path, part="law")
-    (tmp_path / "main.c").write_text(f"""#include <stdio.h>
-#include "{name}.h"
-int main(void)
-{{
-    {name}_parameters p;
-    const {name}_load load = {{ 10.0 }};
-    {name}_body s = {{ 0, 0.3, 0 }};
-    double F;
-    {name}_defaults(&p);
-    for (int i = 0; i < 400; i++) {{
-        if ({name}_body_step(&p, &load, &s, 0.5, 0.0, 1e-3, &F)) return 1;
-        printf("%.17g %.17g\\n", s.v, s.z);
-    }}
-    return 0;
-}}
-""")
-    v, z = np.array(output_of(tmp_path, f"{name}.c", "main.c").split(), float).reshape(-1, 2).T
-    energy = 0.25 * v**2 + 1e4 * z**2
-    assert energy[0] > 0.02
-    assert (np.diff(energy) <= 1e-12 * energy[0]).all()
-
-
 OWN = """from stribeck.constants import Constant
 from stribeck.laws.lugre import LuGre
 

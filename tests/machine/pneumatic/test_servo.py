@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.machine.sampled import tracked
 from stribeck.waveforms import PointToPointSignal, SplineSignal
 from tests.machine.pneumatic.servos import data, last, servo, solved
 
@@ -49,27 +48,6 @@ def test_a_curve_moves_a_spring_too():
 # -- real conditions -------------------------------------------------------------------------------------------------
 
 
-def test_a_fast_sampled_controller_is_the_continuous_one():
-    exact = solved(solve__t_end=2.0)
-    off = []
-    for T in (2e-3, 1e-3, 5e-4):
-        sampled = solved(solve__t_end=2.0, drive__sample_time=T)
-        off.append(np.max(np.abs(sampled["y"] - exact["y"])))
-        assert sampled["z_hat"][-1] == pytest.approx(exact["z_hat"][-1], rel=2e-3)
-    assert off[2] < 0.6 * off[1] < 0.4 * off[0]  # in proportion to T
-    assert off[2] < 5e-5
-
-
-def test_the_voltage_is_held_and_delayed():
-    solution = solved(drive__sample_time=0.01, drive__delay=0.025, solve__t_end=1.0, output__step=1e-3)
-    u = solution["u"].round(12)
-    assert (u[:25] == 0).all()  # nothing acts before the first delay has passed
-    assert u[25] == -10 or u[25] == 10
-    changes = np.flatnonzero(np.diff(u)) + 1
-    assert len(changes) > 50
-    assert (changes % 10 == 5).all()
-
-
 def test_noise_is_reproducible_and_quantization_shows():
     noisy = {"drive__sample_time": 1e-3, "drive__noise": 1e-5, "drive__bandwidth": 150.0, "solve__t_end": 3.0}
     one, two, other = solved(**noisy), solved(**noisy), solved(**noisy, drive__seed=1)
@@ -78,15 +56,6 @@ def test_noise_is_reproducible_and_quantization_shows():
     coarse = {n: x for n, x in noisy.items() if n != "drive__noise"}
     errors = [last(solved(**coarse, drive__quantization=step)) for step in (1e-6, 2.44e-4)]
     assert errors[0] < errors[1] < 5e-3
-
-
-def test_the_filter_follows_a_parabola():
-    T = 1e-3
-    motion = (-T * 0.2, 0.2, 0.0)
-    for k in range(1000):
-        t = k * T
-        motion = tracked(motion, 0.2 * t + 1.5 * t * t, 100.0, T)
-    assert motion == pytest.approx((0.2 * t + 1.5 * t * t, 0.2 + 3 * t, 3.0), rel=1e-6)
 
 
 def test_wrong_knowledge_costs():
