@@ -113,13 +113,6 @@ def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monk
     assert "Traceback" not in done.err
 
 
-def test_a_column_that_never_changes(place):
-    """It was a division by zero."""
-    written(place, y=lambda t: 1.0)
-    with pytest.raises(InputError, match="'y': never changes"):
-        fit_machine(body(), read_logs(logs(place, ["run.csv"], WANTED)), starts=1, baselines=False)
-
-
 def test_a_law_in_a_file_that_is_not_there(place):
     path = logs(place, ["run.csv"], WANTED, laws={"guide": ["none.py:X"]})
     with pytest.raises(InputError, match="cannot read"):

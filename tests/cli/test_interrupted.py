@@ -263,17 +263,6 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
     assert "report.html" not in content(tmp_path / "out")
 
 
-def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck, tmp_path, monkeypatch):
-    kept_logs.write("log.csv", tmp_path / "log.csv")
-    asked = ("fit", tmp_path / "log.csv", *COLUMNS, "--out", tmp_path / "out")
-    assert stribeck(*asked, "--law", "coulomb_viscous").status == 0
-    before = content(tmp_path / "out")
-    assert set(before) == {"report.html", "parameters.toml", "fit.json"}
-    monkeypatch.setattr("stribeck.identify.written.text_of", _ends)
-    assert stribeck(*asked, "--law", "coulomb_viscous", "--mass", "0").status != 0
-    assert content(tmp_path / "out") == before
-
-
 def test_a_result_waits_for_the_process_that_moves_its_own(tmp_path):
     """One that was stopped half-way would go on over what another has written meanwhile."""
     fcntl = pytest.importorskip("fcntl")

@@ -60,14 +60,6 @@ def test_beyond_the_stability_of_the_linear_loop_it_is_unstable():
 
 
 @pytest.mark.thorough
-def test_sampling_with_delay_makes_it_unstable_where_continuous_it_is_quiet():
-    fast = {"period": 2e-2, "delay": 2e-2}
-    gains = {"K_p": 2e3, "K_d": 60.0, "limit": 500.0}
-    assert only(axis(**gains)).verdict == "quiet"
-    assert only(axis(**gains, sampling=fast)).verdict == "unstable"
-
-
-@pytest.mark.thorough
 def test_another_solver_agrees_on_both_sides_of_a_boundary():
     """Where a delay destabilizes: 5 % away on either side the second solver's mass rests, or does not."""
     data = axis(K_p=500.0, K_d=30.0, limit=100.0, sampling={"period": 2e-3, "delay": 2e-3})

@@ -45,11 +45,6 @@ def zeros_in_npz(path, count):
 
 
 def test_complex_numbers_are_refused(tmp_path):
-    savemat = pytest.importorskip("scipy.io").savemat
-    savemat(tmp_path / "a.mat", {"time": T, "force": T + 1j})
-    with pytest.raises(InputError, match=r"^force: 'force': this column of .* holds complex numbers, not real ones$"):
-        read_columns(tmp_path / "a.mat", {"time": "time", "force": "force"})
-
     def fill(h5py, file):
         file["position"] = np.array([(1.0, 2.0)] * 200, [("real", "f8"), ("imag", "f8")])
 

@@ -77,21 +77,6 @@ def test_stick_slip(law, y):
     assert solution["y"][-1] == pytest.approx(y, abs=6e-7)
 
 
-def drift(law):
-    """How far a dithered load of 0.4 +- 0.25 N at 5 Hz moves a body in 16 s, at the same phase."""
-    dither = {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0}
-    y = solved(rig(law, "force", dither, 17.0, rows=170))["y"]
-    return y[170] - y[10]
-
-
-@pytest.mark.thorough
-def test_drift_under_dither():
-    assert drift("lugre") == pytest.approx(0.24e-3, abs=0.005e-3)
-    assert drift(law_table("lugre_majorant", k_v=1e7)) == pytest.approx(drift("lugre"), rel=0.05)
-    for name in ("elastoplastic", "elastoplastic_majorant"):
-        assert abs(drift(law_table(name, z_ba=0.7e-5))) < 1e-15
-
-
 def test_the_smooth_elastoplastic_law_drifts():
     """A 1 Hz sawtooth that stays below sigma_0 z_ba."""
     t = np.repeat(np.arange(9.0), 2)[1:-1]

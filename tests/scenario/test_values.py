@@ -38,22 +38,6 @@ def test_the_rule_for_rows(t_end, step):
     assert scenario.end == max(t_end, last * step)
 
 
-@pytest.mark.parametrize(
-    ("t_end", "step", "rows"),
-    [(1.0, 0.1, 11), (0.3, 0.1, 4), (0.7, 0.1, 8), (1.0, 1 / 3, 4), (1.0, 2.0, 1), (1.0, 0.4, 3), (250.0, 0.05, 5001)],
-)
-def test_rows(t_end, step, rows):
-    assert with_values(t_end, step).rows == rows
-
-
-def test_the_last_row_may_lie_behind_t_end():
-    scenario = with_values(0.3, 0.1)
-    assert 3 * 0.1 > 0.3
-    assert scenario.end == 3 * 0.1
-    slightly = with_values(1.0 - 1e-12, 0.25)
-    assert (slightly.rows, slightly.end) == (5, 1.0)
-
-
 def test_defaults():
     scenario = Scenario(SPRING)
     assert scenario.name == "scenario"

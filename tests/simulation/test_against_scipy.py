@@ -6,7 +6,7 @@ import pytest
 from tests.simulation import independent
 from tests.simulation.independent import machine
 from tests.simulation.random_rigs import random_rig
-from tests.simulation.rig import BRISTLES, LAWS, law_table, pid, rig, solved, spring
+from tests.simulation.rig import BRISTLES, LAWS, pid, rig, solved, spring
 
 TOLERANCES = {"y": 1e-6, "v": 1e-6, "z": 1e-6, "F": 1e-4}  # of the column's peak
 
@@ -98,15 +98,6 @@ def test_a_step_at_once_and_rows_that_miss_the_end():
     data["output"]["step"] = 0.03
     assert_agrees(data)
     assert solved(data).t[-1] == 33 * 0.03
-
-
-@pytest.mark.parametrize("delta", [0.5, 1.0, 1.3, 2.0])
-def test_stribeck_exponents(delta):
-    law = law_table("stribeck", delta=delta)
-    assert_agrees(rig(law, spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0))
-    del law["k_v"]
-    velocity = {"kind": "points", "t": [0, 1, 2], "value": [0, 4e-3, -4e-3]}
-    assert_agrees(rig(law, "velocity", velocity, 2.0))
 
 
 @pytest.mark.share(7)

@@ -1,12 +1,10 @@
 """A body of the user's own: one class in one file, and everything that a single body has."""
 
-import re
-
 import numpy as np
 import pytest
 
 import stribeck
-from stribeck import InputError, Scenario, simulate
+from stribeck import Scenario, simulate
 
 FILE = '''
 from stribeck.machine.element import State
@@ -84,24 +82,3 @@ def test_its_numbers_vary_in_lanes(folder):
     for i, changes in enumerate(({"plant.load": 0.2}, {"plant.load": 0.8, "plant.initial.d": 0.05})):
         alone = simulate(scenario.with_changes(changes))
         np.testing.assert_allclose(lanes["y"][i], alone["y"], rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("plant", "said"),
-    [
-        ({"load": -1.0}, "plant.load: -1.0: must be a finite number > 0"),
-        ({"lode": 1.0}, "plant.lode: 1.0: unknown key (did you mean 'load'?)"),
-        ({"initial": {"q": 1.0}}, "plant.initial.q: 1.0: unknown key (known here: y, v, d, w)"),
-        ({"kind": "own.py:Nope"}, "own.py has no body 'Nope' (it has Flexible)"),
-    ],
-)
-def test_mistakes(folder, plant, said):
-    with pytest.raises(InputError, match=re.escape(said)):
-        Scenario(data(**plant), folder=folder)
-
-
-def test_a_stranger_may_not_have_it_executed(folder, tmp_path_factory):
-    elsewhere = tmp_path_factory.mktemp("elsewhere")
-    kind = f"{folder / 'own.py'}:Flexible"
-    with pytest.raises(InputError, match=r"plant\.kind: .*lies outside the scenario's folder"):
-        Scenario(data(kind=kind), folder=elsewhere, trust=False)

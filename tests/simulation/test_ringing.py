@@ -9,7 +9,6 @@ import pytest
 
 from stribeck import Scenario, examples, simulate
 from stribeck.errors import StribeckNote
-from stribeck.machine.sampled import turned
 from tests.simulation.rig import rig
 
 
@@ -67,18 +66,3 @@ def test_one_that_does_not_is_left_alone():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert simulate(servo()).status == "done"
-
-
-def reversals(values, swing):
-    """How often a sequence turns back, counted one by one as a sampled controller counts."""
-    extreme, way, count = values[0], 0.0, 0.0
-    for x in values:
-        extreme, way, count = turned(x, extreme, way, count, swing)
-    return count
-
-
-def test_reversals():
-    t = np.linspace(0, 10, 2001)
-    assert reversals(list(np.sin(2 * np.pi * t)), 0.5) == 20
-    assert reversals(list(np.sin(2 * np.pi * t)), 2.5) == 0
-    assert reversals(list(t), 0.1) == 0

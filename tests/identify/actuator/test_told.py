@@ -38,16 +38,6 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     assert result.estimates[MASS].low < 1.0 < result.estimates[MASS].high
 
 
-@pytest.mark.thorough
-def test_a_recording_in_other_units_identifies_nothing(tmp_path):
-    record(tmp_path / "good.csv", body(amplitude=3.0))
-    record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "u": 1e3 * x["u"]})
-    path = logs(tmp_path, ["good.csv", "bad.csv"], WANTED)
-    fitted = fit_machine(body(mass=1.5, F_s=1.3), path, starts=1, baselines=False)
-    assert fitted.status == "missed"
-    assert not any(e.state == "identified" for e in fitted.estimates.values())
-
-
 @pytest.mark.share(2)
 @pytest.mark.parametrize("off", [1e-3, 5e-2])
 def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import odeint, solve_ivp
+from scipy.integrate import solve_ivp
 
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
@@ -64,42 +64,3 @@ def test_a_pendulum_that_is_swung_up_and_balanced_is_fitted_under_a_guide():
         assert e.range[0] < truth < e.range[1], (name, e)
         half = (e.interval[1] - e.interval[0]) / 2
         assert abs(e.value - truth) < 1.6 * half, (name, e)
-
-
-@pytest.mark.thorough
-def test_an_arm_held_upright_is_fitted_under_a_guide():
-    """A free simulation falls over. A SciPy program records the torque and the angle."""
-    J, A, level, viscous, step = 0.05, 2.0, 0.15, 0.03, 0.004
-    t = np.arange(1001) * step
-
-    def torque(t, y, v):
-        return 12.0 * (0.25 * np.sin(2.1 * t) + 0.15 * np.sin(5.3 * t) - y) - 0.8 * v
-
-    def rates(x, t):
-        y, v = x
-        friction = level * 2 / np.pi * np.arctan(200.0 * v) + viscous * v
-        return [v, (torque(t, y, v) + A * np.sin(y) - friction) / J]
-
-    y, v = odeint(rates, [0.05, 0.0], t, rtol=1e-10, atol=1e-12).T
-    law = {"name": "coulomb_viscous", "k_v": 200.0, "parameters": {"F_c": 0.3, "sigma_2": 0.1}}
-    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
-    machine = {
-        "schema": 2, "name": "upright", "bodies": {"arm": {"inertia": 0.1}}, "contacts": {"joint": {"from": "arm", "law": law}},
-        "loads": {"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 1.0, "phase": np.pi},
-                  "push": {"on": "arm", "kind": "signal", "signal": still}},
-        "solve": {"t_end": 4.0}, "output": {"step": step},
-    }  # fmt: skip
-    truth = {
-        "bodies.arm.inertia": J, "loads.gravity.amplitude": A, "contacts.joint.law.parameters.F_c": level,
-        "contacts.joint.law.parameters.sigma_2": viscous,
-    }  # fmt: skip
-    measured = Channel("y", t, y + 5e-4 * np.random.default_rng(0).standard_normal(len(t)))
-    drive = Channel("u", t, torque(t, y, v))
-    recording = Recording("upright.csv", t, {"arm.y": measured}, {"loads.push.signal": drive}, {})
-    sought = tuple(Sought(name, x / 8, 8 * x) for name, x in truth.items())
-    fitted = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
-    for name, x in truth.items():
-        p = fitted.estimates[name]
-        assert p.state == "identified"
-        assert p.low < x < p.high
-        assert p.high - p.low < 0.12 * x

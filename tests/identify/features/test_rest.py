@@ -49,23 +49,13 @@ def test_slow_motion_and_reversals_are_no_rest():
         assert np.mean(at_rest(log)) < 0.01
 
 
-def test_noise_that_a_filter_has_smoothed_is_noise():
-    """It changes little from row to row; the noise of the measured motion tells how large it is."""
-    rng = np.random.default_rng(0)
-    t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 0.02
-    rests = t % 4 < 2
-    v = np.where(rests, 0.0, np.sin(2 * np.pi * t)) + low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP)
-    reported = {"bandwidth": cutoff, "noise": 2 * STEP * noise**2}
-    assert np.mean(at_rest(log_of(v, lambda t, y, v, a: np.sign(v), **reported)) == rests) > 0.95
-
-
-def test_noise_of_a_position_is_noise_of_its_rate():
-    """The noise of the position, m, was compared with the speed: no rest of an encoder's log was found."""
-    rng = np.random.default_rng(0)
-    t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 2e-4
-    rests = t % 4 < 2
-    off = spline_derivative(low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP), STEP)
-    reported = {"bandwidth": cutoff, "noise": 2 * STEP * noise**2, "sources": {"unfiltered": "position"}}
+@pytest.mark.parametrize(("of", "noise"), [("velocity", 0.02), ("position", 2e-4)])
+def test_noise_that_a_filter_has_smoothed_is_noise(of, noise):
+    """It changes little from row to row; the noise of the measured motion, a speed or a position, tells how large it is."""
+    t, cutoff = np.arange(0, 12, STEP), 20.0
+    rests, off = t % 4 < 2, low_pass(noise * np.random.default_rng(0).standard_normal(len(t)), cutoff, STEP)
+    off = spline_derivative(off, STEP) if of == "position" else off
+    reported = {"bandwidth": cutoff, "noise": 2 * STEP * noise**2, "sources": {"unfiltered": of}}
     log = log_of(np.where(rests, 0.0, np.sin(2 * np.pi * t)) + off, lambda t, y, v, a: np.sign(v), **reported)
     assert np.mean(at_rest(log) == rests) > 0.95
 

@@ -185,14 +185,6 @@ def test_presliding_is_fitted_by_a_law_with_bristles():
     assert [c["law"] for c in fit.candidates if c["chosen"]] == ["lugre"]
 
 
-def test_what_a_static_fit_leaves_is_a_share_of_the_force():
-    from stribeck.identify.methods import bristles
-
-    log = record(7)
-    fit = SimpleNamespace(predictor=SimpleNamespace(force=lambda log: 0.9 * log.force))
-    assert bristles._error_everywhere(fit, log) == pytest.approx(0.1)
-
-
 @pytest.mark.parametrize(("left", "asked"), [(0.03, True), (0.005, False)])
 def test_a_law_with_bristles_is_tried_wherever_it_could_win_above_the_noise(left, asked):
     """A static law with forms left 3.7 % of a loop with presliding, LuGre 1.3 %; its slow level was half the true one."""

@@ -256,18 +256,5 @@ def test_damping_that_falls_with_speed():
         assert prove(law, {"K_D": factor * least, "K": 1e-6}, (-0.1, 0.1)).proven is proven
 
 
-def test_small_errors_decide():
-    """Why the box has only a speed: where the form fails it fails for errors as small as you like."""
-    law = stribeck.law("lugre_sobczyk", **TABLE_1)
-    gains = {"K_D": 200.0, "K": 1e-6}
-    assert prove(law, gains, (-0.1, 0.1)).proven is False
-    values = {**{n: law.values[n] for n in ("sigma_0", "sigma_1")}, **gains, "K_p": 60.0, "rho": 4e-10}
-    expr = derive().derivative.subs({sympy.Symbol(n, positive=True): x for n, x in values.items()})
-    w = at_speed(law, decay(law))(0.1)
-    for size in (1.0, 1e-6, 1e-12):
-        worst = {"s": size, "p_err": 0.0, "z_err": -values["sigma_1"] * values["K"] / 2 * size, "w": w}
-        assert expr.subs({sympy.Symbol(n, real=True): x for n, x in worst.items()}) > 0
-
-
 def test_a_rise_is_measured_by_the_first_value():
     assert rises(np.array([1.0, 0.5, 0.5 + 8e-10, 0.5 + 3e-9])).tolist() == [False, False, True, False]
