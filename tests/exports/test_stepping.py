@@ -109,15 +109,6 @@ def test_a_held_joint_creeps_no_more_than_its_bound(name):
     assert 100 * CREEP[name](step.law.p, r) < 1e-4
 
 
-@pytest.mark.parametrize("name", ["elastoplastic", "elastoplastic_majorant"])
-def test_an_elastic_contact_does_not_creep(name):
-    """0.9 F_s, and it is elastic up to 0.95 F_s: nothing but rounding, below 1e-15 m in 100 s."""
-    step = Stepped(law(name, F_s=1.0, F_c=1.0, z_ba=9.5e-6))
-    z, v = hold(step, 0.9)
-    assert np.all(abs(v) * 100 <= 1e-15)
-    assert np.all(abs(z - 0.9e-5) < 1e-18)
-
-
 @pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_any_step_is_stable(name):

@@ -1,17 +1,16 @@
-"""Signals of a machine file, and their sums, against SciPy on equations written here, and in C."""
+"""Signals of a machine file, and their sums, against SciPy on equations written apart, and in C."""
 
 import shutil
 import subprocess
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck import Scenario, simulate
 from stribeck.machine.signal import Ramp, Sine, Square, Staircase, Sum
 from tests.machine.machines import assert_balanced
+from tests.reference import apart
 
 LAW = {"sigma_0": 1e4, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-2}
 SIGNAL = {
@@ -32,35 +31,20 @@ MACHINE = {
 }  # fmt: skip
 
 
-def apart():
-    """Rows of y and v by SciPy's Radau, restarted at each breakpoint of the signal."""
-    breaks = sorted({0.0, *(k / 6 for k in range(9)), 0.2, 0.25, 0.45, 0.5, 2.0})
-
-    def rates(t, x):
-        y, v, z = x
-        square = 0.0 if t >= 4 / 3 else 1.0 if (3 * t) % 1 < 0.5 else -1.0
-        force = 6 * np.sin(4 * np.pi * t) + square + np.interp(t, [0.2, 0.25, 0.45, 0.5], [0, 1, 1, 2])
-        force -= 50 * y + v
-        dz = v - abs(v) * 1e4 / (1 + 0.5 * np.exp(-((v / 1e-2) ** 2))) * z
-        return [v, force - 1e4 * z - 30 * dz - 0.4 * v, dz]
-
-    x, rows = [0.0, 0.0, 0.0], [[0.0, 0.0, 0.0]]
-    for begin, end in pairwise(breaks):
-        t = np.clip([t for t in np.arange(201) * 1e-2 if begin + 1e-9 < t <= end + 1e-9], begin, end)
-
-        def within(t, x, low=begin + 1e-13, high=end - 1e-13):
-            return rates(min(max(t, low), high), x)
-
-        solution = solve_ivp(within, (begin, end), x, method="Radau", rtol=1e-9, atol=1e-13, dense_output=True)
-        rows += list(solution.sol(t).T) if len(t) else []
-        x = solution.y[:, -1]
-    return np.array(rows)
+EDGES = np.repeat(np.arange(9) / 6, 2).tolist()
+PARTS = (  # of the sum: what jumps and what steps, as points
+    SIGNAL["of"][0],
+    {"kind": "points", "t": EDGES, "value": [0.0, *np.repeat([1.0, -1.0] * 4, 2).tolist(), 0.0]},
+    {"kind": "points", "t": [0.2, 0.25, 0.45, 0.5], "value": [0.0, 1.0, 1.0, 2.0]},
+)
 
 
 def test_against_scipy():
-    result, expected = simulate(MACHINE), apart()
-    for name, theirs in (("a.y", expected[:, 0]), ("a.v", expected[:, 1])):
-        assert np.max(abs(result[name] - theirs)) <= 1e-6 * np.max(abs(theirs))
+    """Its parts as forces of their own, by the equations written apart (tests/reference/apart.py)."""
+    loads = {f"p{i}": {"on": "a", "kind": "signal", "signal": part} for i, part in enumerate(PARTS)}
+    result, expected = simulate(MACHINE), apart.solve({**MACHINE, "loads": loads})
+    for name in ("a.y", "a.v"):
+        assert np.max(abs(result[name] - expected[name])) <= 1e-6 * np.max(abs(expected[name]))
     assert_balanced({n: result[n] for n in result})
 
 

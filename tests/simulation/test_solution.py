@@ -8,7 +8,7 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.simulation import native
-from tests.simulation.rig import law_table, rig, solved, spring
+from tests.simulation.rig import rig, solved, spring
 
 PULL = {"kind": "ramp", "rate": 0.3}
 
@@ -46,18 +46,6 @@ def test_tolerances_are_kept():
     assert max(errors) < 1
     assert steps == sorted(steps)
     assert steps[-1] > 5 * steps[0]
-
-
-def test_numbers_do_not_compile_again():
-    data = rig("lugre_arctan", spring("canudas1995"), {"kind": "points", "t": [0, 1], "value": [0, 1]}, 0.2)
-    solved(data)
-    changed = rig(
-        law_table("lugre_arctan", on="valve_graphite", k_v=33.0), {"kind": "spring", "stiffness": 17.0},
-        {"kind": "ramp", "rate": 2.0}, 0.3, initial={"y": 1.0, "v": 0.1, "z": 1e-6}, mass=7.0, rtol=1e-6,
-    )  # fmt: skip
-    for table in (data, changed, {**changed, "drive": {**changed["drive"], "signal": {"kind": "step", "value": 1.0,
-                  "time": 0.1}}}):  # fmt: skip
-        assert solved(table).stats["built"] is False
 
 
 def test_the_lock_of_python_is_free_while_a_simulation_runs(monkeypatch):

@@ -308,16 +308,18 @@ def test_splits_and_polar_coordinates():
 ESCAPE = "\x1b[31mX\x1b]0;title\x07"
 FIELDS = {  # texts that are no number or word, and numbers of another kind; other types below, in every field
     ("v_max",): ["nan", "-1", "0", "no limit at all", " 1", "1 ", "1e3", "1" + ESCAPE],
-    ("Z",): [" 3/200000", "3/200000\n", "+3/200000", "3 /200000", "3_0/200000", "\u0663/200000", "3/0"],
+    ("Z",): [1, " 3/200000", "3/200000\n", "+3/200000", "3 /200000", "3_0/200000", "\u0663/200000", "3/0"],
     ("claims", 0, "w"): [[" 1", "inf"], ["1"], "inf", ["inf", "1"], ["2", "1"], [0, "inf"], {"0": "inf"}],
     ("claims", 0, "v"): [1.0, "1", 2],
-    ("claims", 0, "relation"): [">= 0"],
-    ("property",): ["passive" + ESCAPE],
-    ("theorem",): ["outside" + ESCAPE],
+    ("claims", 0, "relation"): [1, ">= 0"],
+    ("claims", 0, "about"): [5],
+    ("property",): [5, "passive" + ESCAPE],
+    ("theorem",): [5, "outside" + ESCAPE],
+    ("law",): [5],
     ("format",): [True, 1.0, "1"],
     ("constants",): [{"F_c": 1.0}, {"F_c": "1" + ESCAPE}],
     ("definitions",): [{}, [["n0"]], [[5, "v"]], [["x y", "v"]]],
-    ("dz_dt",): [["add" + ESCAPE, "v", "z"], "\ud800", [["add"], "v", "z"]],
+    ("dz_dt",): [5, ["add" + ESCAPE, "v", "z"], "\ud800", [["add"], "v", "z"]],
     ("level",): [{"F_c": x} for x in ("1", ["nan", "inf"], ["inf", "inf"], ["2", "1"], ["1"] * 3)],
     ("force",): [["both", ["lt", "v", "z"], ["lt", "v", "z"]]],
 }

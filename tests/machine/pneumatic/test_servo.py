@@ -48,16 +48,6 @@ def test_a_curve_moves_a_spring_too():
 # -- real conditions -------------------------------------------------------------------------------------------------
 
 
-def test_noise_is_reproducible_and_quantization_shows():
-    noisy = {"drive__sample_time": 1e-3, "drive__noise": 1e-5, "drive__bandwidth": 150.0, "solve__t_end": 3.0}
-    one, two, other = solved(**noisy), solved(**noisy), solved(**noisy, drive__seed=1)
-    np.testing.assert_array_equal(one["y"], two["y"])
-    assert not np.array_equal(one["y"], other["y"])
-    coarse = {n: x for n, x in noisy.items() if n != "drive__noise"}
-    errors = [last(solved(**coarse, drive__quantization=step)) for step in (1e-6, 2.44e-4)]
-    assert errors[0] < errors[1] < 5e-3
-
-
 def test_wrong_knowledge_costs():
     exact = last(solved())
     for changes in ({"drive__supply_droop": 2e7}, {"drive__model": {"mass": 3.5}},
