@@ -5,9 +5,13 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.identify.actuator import fit_machine
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.drawn import input_errors
 from stribeck.identify.actuator.guides import CARRIED, Guides
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
+from stribeck.identify.actuator.starts import problem_of
 from tests.identify.actuator.recorded import body, logs, record
+from tests.reference.apart import solve
 from tests.shared import SHARED
 
 SERVO = SHARED / "data" / "servo-motor"
@@ -102,6 +106,24 @@ def test_a_loop_whose_free_motion_strays_is_fitted_along_the_measured_one(seed):
     result = fit_machine(machine, Logs((recording,), sought), starts=1, baselines=False)
     outside = {n: (e.value, e.range) for n, e in result.estimates.items() if not e.range[0] <= truth[n] <= e.range[1]}
     assert not outside
+
+
+def test_noise_of_an_input_is_drawn_at_its_size():
+    """What the record's own noise does to the simulation is as large as what drawn noise does."""
+    machine = body(amplitude=5.0, step=0.0025)
+    push = np.array(machine["loads"]["push"]["signal"]["value"])
+    t = 0.0025 * np.arange(len(push))
+    read = Channel("u", t, push + 0.1 * np.random.default_rng(6).standard_normal(len(t)), noise=0.1)
+    recording = Recording(
+        "run", t, {"a.y": Channel("y", t, solve(machine, rtol=1e-9)["a.y"])}, {"loads.push.signal": read}
+    )
+    level = MachineCoordinate("level", 0.5, 2.0, targets={"contacts.guide.law.parameters.F_c": 1.0})
+    problem = problem_of(Scenario(machine), [(0, recording)], [level], {"a.y": 1e-6})
+    u = problem.point({"level": 1.0})
+    r, J = problem.slopes(u[None], np.full(len(u), problem.step))
+    (errors,) = input_errors(problem, u, J[0])
+    size = np.sqrt(np.mean(errors**2, axis=1))
+    assert size.min() < np.sqrt(np.mean(r**2)) < size.max()
 
 
 def test_a_rough_command_is_no_noise(tmp_path):
