@@ -82,12 +82,19 @@ def _numbers(
 
 
 def _open(parameters: Mapping[str, Estimate]) -> list[str]:
-    """The estimates that are not identifiable, or bounds: a line for each, with the reason and the experiment."""
-    return [
-        f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
+    """The estimates that are not identifiable, or bounds: a line for each, with the reason and the experiment.
+
+    Those that no experiment would determine come first: the reason is all that a reader has.
+    """
+    lines = [
+        (
+            bool(e.experiment),
+            f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}",
+        )
         for n, e in parameters.items()
         if e.why or e.experiment
     ]
+    return [line for _, line in sorted(lines, key=lambda each: each[0])]
 
 
 def _beside(lead: str, others: Mapping[str, float | None], words: str = "") -> str:
