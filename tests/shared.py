@@ -1,4 +1,4 @@
-"""What more than one room of tests asks of the machine: shared inputs, links in folders."""
+"""What more than one room of tests asks of the machine: shared inputs, links in folders, every place of a file's data."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,3 +21,11 @@ def _follows_links():
 
 LINKS = _follows_links()  # Windows lets not every user make them, and wine none
 needs_links = pytest.mark.skipif(not LINKS, reason="needs links in folders")
+
+
+def places(data, path=()):
+    """The paths of all fields and items."""
+    inner = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    for key, x in inner:
+        yield (*path, key)
+        yield from places(x, (*path, key))

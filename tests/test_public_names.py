@@ -69,31 +69,6 @@ def test_a_scenario_does_not_change(law):
     assert machine.replace({"contacts.c.law": law.replace(F_c=0.9)}).scenario(1.0).law.p.F_c == 0.9
 
 
-def test_simulate_gives_a_solution_or_an_ensemble(law):
-    assert isinstance(st.simulate(SMALL), st.Solution)
-    solution = st.simulate(SMALL, vary={"law.k_v": [1e5, 1e6]}, threads=1)
-    assert isinstance(solution, st.Ensemble)
-    assert len(solution) == 2
-    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
-    assert len(st.simulate(machine, {"bodies.a.mass": [0.5, 1.0]}, t_end=0.01, rtol=1e-9)) == 2
-
-
-def test_signals_are_named_by_their_kind():
-    assert st.signals.Sine(0.1, 0.8).to_table() == {"kind": "sine", "amplitude": 0.1, "frequency": 0.8}
-    assert st.signals.Step(1.0, at=0.5).to_table() == {"kind": "step", "value": 1.0, "time": 0.5}
-    with pytest.raises(AttributeError, match="Sinus"):
-        st.signals.Sinus  # noqa: B018
-
-
-def test_load_and_import(tmp_path):
-    result = st.load(examples.path("servo"), {"solve.t_end": 0.2})
-    assert result == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
-    (tmp_path / "servo.json").write_text(
-        '{"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}'
-    )
-    assert "bodies" in st.import_("bam", tmp_path / "servo.json").data
-
-
 def test_sweep(tmp_path, law):
     result = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
     assert result.parts == 1

@@ -10,6 +10,7 @@ import pytest
 from stribeck import Fit, InputError
 from stribeck.identify.saved import text_with_digest
 from tests.kept import logs
+from tests.shared import places as every_place
 
 COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 
@@ -88,18 +89,10 @@ def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, t
     assert document["errors"]["position"]["relative"] < 1e-6
 
 
-def leaves(data, path=()):
-    """Every place of a file's data."""
-    yield path
-    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for key, x in items:
-        yield from leaves(x, (*path, key))
-
-
 def test_a_fit_s_file_that_was_changed_is_refused_in_a_line(stribeck, fitted, tmp_path):
     """One number less or another, wherever it stands, and the prediction would be another's."""
     text = (fitted / "out" / "fit.json").read_text()
-    places = [path for path in leaves(json.loads(text)) if path and path[0] != "format"]
+    places = [path for path in every_place(json.loads(text)) if path[0] != "format"]
     changes = [lambda part, key: part.pop(key), lambda part, key: part.__setitem__(key, 10**400)]
     for *above, key in [*places[::9], ("predictor", "body", "sigma_2"), ("law",)]:
         for change in changes:

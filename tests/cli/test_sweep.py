@@ -57,20 +57,6 @@ def test_a_part_that_is_damaged_in_its_middle_is_made_again(where, stribeck, sce
     assert files(out) == whole
 
 
-def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
-    out = tmp_path / "out"
-    stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
-    whole = files(out)
-    (out / "part-000001.parquet").unlink()
-    (out / "part-000002.parquet").write_bytes(whole["part-000002.parquet"][:-20])
-    (out / ".1234-0a1b2c3d.tmp").write_bytes(b"half")
-    kept = (out / "part-000000.parquet").stat().st_mtime_ns
-    data = json.loads(stribeck("sweep", scenario, *GRID, "--summary", "--out", out, "--json").out)
-    assert (data["parts_found"], data["failed"]) == (1, 3)
-    assert files(out) == whole
-    assert (out / "part-000000.parquet").stat().st_mtime_ns == kept
-
-
 @pytest.mark.thorough
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tmp_path):

@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 
-from stribeck import Scenario, simulate
+from tests.simulation import rig
 
 
 def law(name="lugre_majorant", **changes):
@@ -44,9 +44,7 @@ def edited(data, changes):
 
 def solved(data, folder=None):
     """The solution of a machine's data, compiled and complete."""
-    solution = simulate(Scenario(data, folder=folder))
-    assert solution.status == "done", solution.reason
-    assert solution.stats["solver"] == "rodas5p"
+    solution = rig.solved(data, folder)
     if solution.scenario.output.energy:
         assert_balanced(solution)
     return solution

@@ -1,11 +1,12 @@
 """A scenario from a stranger: the laws in files that it names are programs, and which of them are executed."""
 
 import pytest
+import tomli_w
 
 from stribeck import InputError, Scenario, examples
 from stribeck.cli import _status
-from tests.machine.machines import machine
-from tests.scenario.valid_scenarios import CANUDAS, VALID, edited, toml
+from tests.machine.machines import edited, machine
+from tests.scenario.valid_scenarios import CANUDAS, VALID
 from tests.shared import LINKS, needs_links
 
 LAW = """
@@ -39,8 +40,8 @@ def place(tmp_path):
 
 def write(place, law, **changes):
     path = place / "rig.toml"
-    data = edited(VALID["force_points"], "law", value={"name": law, "parameters": CANUDAS})
-    path.write_text(toml({**data, **changes}))
+    data = edited(VALID["force_points"], {"law": {"name": law, "parameters": CANUDAS}})
+    path.write_text(tomli_w.dumps({**data, **changes}))
     return path
 
 
@@ -100,9 +101,9 @@ def test_what_the_user_names_himself_is_trusted(place):
 
 def test_a_set_is_unfolded_only_by_a_law_that_may_be_executed(place):
     (place / "set.toml").write_text("".join(f"{n} = {x}\n" for n, x in CANUDAS.items()))
-    data = edited(VALID["force_points"], "law", value={"name": STRANGE[0], "parameters": "set.toml"})
+    data = edited(VALID["force_points"], {"law": {"name": STRANGE[0], "parameters": "set.toml"}})
     path = place / "rig.toml"
-    path.write_text(toml(data))
+    path.write_text(tomli_w.dumps(data))
     with pytest.raises(InputError, match="lies outside"):
         Scenario.load(path, {"law.parameters.F_s": 2.0})
     assert executed(place) == []
@@ -159,11 +160,11 @@ def test_a_machine_may_name_laws_and_elements(key, outside, place):
     path = place / "machine.toml"
     for wrong, text in (({"solve": {"t_end": -1.0}}, "t_end"), ({}, "lies outside")):
         if wrong or outside:
-            path.write_text(toml(data | wrong))
+            path.write_text(tomli_w.dumps(data | wrong))
             with pytest.raises(InputError, match=text):
                 Scenario.load(path)
     assert executed(place) == []
-    path.write_text(toml(data))
+    path.write_text(tomli_w.dumps(data))
     assert Scenario.load(path, trust=outside).elements is not None
     assert executed(place) == ["beside" if outside else "home"]
 

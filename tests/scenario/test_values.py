@@ -11,14 +11,15 @@ from hypothesis import strategies as st
 
 from stribeck import InputError, Scenario, platforms
 from stribeck.parameter_sets import parameters
-from tests.scenario.valid_scenarios import CANUDAS, VALID, edited
+from tests.machine.machines import edited
+from tests.scenario.valid_scenarios import CANUDAS, VALID
 
 SPRING = VALID["spring_ramp"]
 QUICK = settings(deadline=None, derandomize=True, database=None)
 
 
 def with_values(t_end: float, step: float) -> Scenario:
-    return Scenario(edited(edited(SPRING, "solve.t_end", value=t_end), "output.step", value=step))
+    return Scenario(edited(SPRING, {"solve.t_end": t_end, "output.step": step}))
 
 
 @QUICK
@@ -49,7 +50,7 @@ def test_defaults():
 
 
 def test_tolerances_scale_with_the_law():
-    base = Scenario(edited(SPRING, "law", value={"name": "lugre", "parameters": CANUDAS}))
+    base = Scenario(edited(SPRING, {"law": {"name": "lugre", "parameters": CANUDAS}}))
     atol = base.atol()
     finer = base.with_changes({"law.parameters.sigma_0": 1e7, "law.parameters.v_s": 0.1}).atol()
     assert finer["y"] == pytest.approx(atol["y"] / 100)
@@ -67,7 +68,7 @@ def test_scenarios_that_differ_in_numbers_share_a_system():
 @pytest.mark.parametrize("name", parameters())
 def test_every_built_in_set_serves(name):
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": name}
-    assert Scenario(edited(SPRING, "law", value=law)).law.machine == parameters()[name].values
+    assert Scenario(edited(SPRING, {"law": law})).law.machine == parameters()[name].values
 
 
 @pytest.mark.parametrize(
@@ -79,7 +80,7 @@ def test_every_built_in_set_serves(name):
     ],
 )
 def test_more_rows_than_memory_holds(t_end, step, said):
-    data = edited(edited(VALID["force_points"], "solve.t_end", value=t_end), "output.step", value=step)
+    data = edited(VALID["force_points"], {"solve.t_end": t_end, "output.step": step})
     with pytest.raises(InputError, match=f"^output.step: .*: {said}$") as error:
         Scenario(data)
     assert f"{step}: " in str(error.value)
@@ -87,7 +88,7 @@ def test_more_rows_than_memory_holds(t_end, step, said):
 
 
 def test_rows_are_kept_twice_in_the_memory_that_is_free(monkeypatch):
-    data = edited(VALID["force_points"], "output.step", value=1e-4)
+    data = edited(VALID["force_points"], {"output.step": 1e-4})
     columns = 1 + len(Scenario(data).system.columns)  # and the time
     needed = 2 * np.zeros((10_001, columns)).nbytes
     monkeypatch.setattr(platforms, "free_memory", lambda: float(needed))

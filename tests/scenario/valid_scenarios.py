@@ -1,10 +1,11 @@
-"""Small valid scenarios that together use every kind of drive and signal, and copies of them with changes."""
+"""Small valid scenarios that together use every kind of drive and signal."""
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
 from typing import Any
+
+import tomli_w
 
 CANUDAS = {"sigma_0": 1e5, "sigma_1": 316.2, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 MAKKAR = {"g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}
@@ -62,43 +63,9 @@ VALID: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-def edited(data: dict[str, Any], path: str, value: Any = None) -> dict[str, Any]:
-    """A copy with the key at a path set to a value, or deleted."""
-    new = copy.deepcopy(data)
-    *parents, last = path.split(".")
-    table = new
-    for name in parents:
-        table = table[name]
-    del table[last]
-    if value is not None:
-        table[last] = value
-    return new
-
-
 def write(data: dict[str, Any], folder: Path, name: str = "scenario") -> Path:
     """Write a scenario file, and beside it the recorded signal that one of the examples reads."""
     (folder / RECORD["path"]).write_text(f"{RECORD['time']},{RECORD['value']},note\n0,0.0,a\n0.5,1e-3,b\n1,0.0,c\n")
     path = folder / f"{name}.toml"
-    path.write_text(toml(data), encoding="utf-8")
+    path.write_text(tomli_w.dumps(data), encoding="utf-8")
     return path
-
-
-def toml(data: dict[str, Any]) -> str:
-    """A scenario as TOML, tables written in line."""
-    return "".join(f"{_key(name)} = {_value(value)}\n" for name, value in data.items())
-
-
-def _key(name: str) -> str:
-    return name if name.replace("_", "a").isascii() and name.replace("_", "a").isalnum() else _value(name)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_key(name)} = {_value(inner)}" for name, inner in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    if isinstance(value, str):
-        return '"' + "".join(c if c.isprintable() and c not in '"\\' else f"\\u{ord(c):04x}" for c in value) + '"'
-    return str(value)

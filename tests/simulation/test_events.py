@@ -38,17 +38,6 @@ def test_events_are_those_of_a_tight_run(name):
     np.testing.assert_allclose([t for t, _ in result], [t for t, _ in expected], rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", RIGS)
-def test_events_lie_between_the_rows_where_the_speed_passes(name):
-    solution = solved({**RIGS[name], "output": {"step": 2e-4}})
-    t, above = solution.t, np.abs(solution["v"]) >= V_S
-    passes = np.flatnonzero(above[1:] != above[:-1])
-    result = in_order(solution)
-    assert [rises for _, rises in result] == above[passes + 1].tolist()
-    times = np.array([t for t, _ in result])
-    assert np.all((times >= t[passes]) & (times <= t[passes + 1]))
-
-
 def test_an_event_is_a_root_of_the_dense_output():
     """A run whose rows fall on an event finds v_s there: rows do not change the steps."""
     slip = float(solved(RIGS["spring"]).events["slip"][0])

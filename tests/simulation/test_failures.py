@@ -127,16 +127,6 @@ def test_what_no_steps_can_follow_ends_soon(name, reason, tmp_path, monkeypatch)
     assert (lanes.accepted + lanes.rejected <= 2_000_001).all()
 
 
-@both
-def test_a_controller_that_is_unstable(run):
-    away = {"kind": "pid", "K_p": -300.0, "K_i": 0.0, "K_d": -10.0}
-    data = rig("lugre_majorant", away, {"kind": "step", "value": 1.0, "time": 0.5}, 200.0, rtol=1e-3)
-    solution = failed(run, data)
-    assert "no longer finite" in solution.reason
-    assert 10 < solution.t[-1] < 40  # when squares overflow depends on the order the compiler gives to products
-    assert abs(solution["y"][-1]) > 1e100
-
-
 def test_a_step_that_is_too_small():
     """After 10^12 s two times lie 10^-4 s apart: too far for a body that jumps off."""
     solution = failed(compiled_run, rig("lugre", "force", {"kind": "step", "value": 5.0, "time": 1e12}, 2e12))

@@ -21,6 +21,7 @@ from stribeck.properties.verdicts import Verdict
 from stribeck_verify import theorems, verify
 from stribeck_verify.__main__ import main
 from stribeck_verify.expressions import Refused
+from tests.shared import places
 from tests.verify import hand_made as by_hand
 from tests.verify.hand_made import ALL, SIGNS, certificate, claim
 
@@ -382,14 +383,6 @@ def whole_certificates():
         "hypotheses": {},
     }
     return result
-
-
-def places(data, path=()):
-    """The paths of all fields and items."""
-    inner = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for key, x in inner:
-        yield (*path, key)
-        yield from places(x, (*path, key))
 
 
 @pytest.mark.parametrize("name", [*RIGHT, "damped"])
