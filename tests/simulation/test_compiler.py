@@ -120,19 +120,6 @@ def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
     pytest.fail("it goes on")
 
 
-def test_a_compiler_that_builds_another_thing(use, tmp_path):
-    real = compiler.find()
-    if real is None:
-        pytest.skip("needs a C compiler")
-    (tmp_path / "other.c").write_text("int other(void) { return 1; }\n")
-    use(
-        '#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\n'
-        f'exec {" ".join(real.command)} -shared -fPIC -o "$2" {tmp_path}/other.c\n'
-    )
-    (note,) = message("wasm")
-    assert note.startswith("compiling failed (")
-
-
 def test_a_compiler_that_is_not_there(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "/nowhere/cc")
     assert "/nowhere/cc cannot be run: No such file or directory" in message("wasm")[0]
