@@ -6,6 +6,7 @@ import pytest
 from stribeck.identify.core.forms import in_words
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.over_position import ripple_waves
 from stribeck.identify.models.predictor import of_json, predictor
@@ -180,6 +181,16 @@ def test_a_very_long_record_is_predicted_from_stretches_of_it(plain):
     whole, part = predictor(plain, log), predictor(choice_of(stretches), stretches)
     assert part.error == pytest.approx(whole.error, rel=0.1)
     assert 0 < np.linalg.norm(part.force(other) - whole.force(other)) < 0.01 * np.linalg.norm(other.force)
+
+
+def test_a_level_that_one_direction_does_not_tell_from_the_offset_is_not_blown_up():
+    """Their columns are equal but for rounding, and another motion has both directions."""
+    t, other = 0.01 * np.arange(1500), record(12)
+    v, a = 0.2 + 0.1 * np.sin(2 * t), 0.2 * np.cos(2 * t)
+    force = 5.7 + 2.0 * a + 12.0 * v + 0.05 * np.random.default_rng(3).standard_normal(len(t))
+    log = Log(t, 0.2 * t - 0.05 * np.cos(2 * t), v, a, force, np.zeros(len(t), np.int32), step=0.01)
+    built = predictor(choice_of(log, laws=("coulomb_viscous",)), log)
+    assert np.linalg.norm(built.force(other) - other.force) < 2 * np.linalg.norm(other.force)
 
 
 def test_stretches_of_a_long_record_belong_to_its_files():

@@ -209,6 +209,7 @@ def optimum(
         """The law's coefficients and the squared residual, with the coefficients of ``rest`` eliminated."""
         d = _sizes(columns)
         left = beside(columns / d)
+        left[:, _sizes(left) < RANK] = 0.0  # in the span of the others: the least squares see only rounding
         x = np.linalg.lstsq(left, target, rcond=RANK)[0]
         r = target - left @ x
         return x / d, float(r @ r)
