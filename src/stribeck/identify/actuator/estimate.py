@@ -161,8 +161,8 @@ def estimate(
     if rough or free.stopped:
         return free
 
-    def converged(bandwidths: Sequence[float]) -> BestPoint:
-        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths))
+    def converged(bandwidths: Sequence[float], other: BestPoint | None = None) -> BestPoint:
+        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths, other))
         if best.problem.colored and not best.stopped:
             try:
                 best.under_guide = search_.under_guide(near)
@@ -175,28 +175,31 @@ def estimate(
     guided = [] if fitted_sensor else guides.bandwidths[1:]
     best = converged([0.0, *guided])
     if not best.bandwidth and guided and not best.stopped and best.doubtful():
-        other = converged(guided)
+        other = converged(guided, best)
         best = other if other.bandwidth else best
     return best
 
 
 def _as_free_as_possible(
-    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, bandwidths: Sequence[float]
-) -> BestPoint:
+    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, bandwidths: Sequence[float],
+    last: BestPoint | None = None,
+) -> BestPoint:  # fmt: skip
     """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
     It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
     the sensors' noise: slopes along another motion than the real one bend the estimates. If no guide hides it, the one with
-    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth.
+    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth. ``last``: a converged fit, where each
+    begins at the values of the one before it.
     """
     scenario, why = free.problem.runs[0].scenario, ""
     moves = any(x.free for x in scenario.system.bodies)
     chosen, least = free, np.inf
     for bandwidth in bandwidths:
-        best = begun(bandwidth, near.at(bandwidth)) if bandwidth else free
+        best = begun(bandwidth, last.values() if last else near.at(bandwidth)) if bandwidth else free
         weigh(best.problem, best.u, white=False)
         solution = search(best.problem, best.u, small=ROUGHLY)
         best.u, best.stopped = solution.u, solution.stopped
+        last = best if last else None
         if best.stopped:
             return best
         missed = best.missed()
