@@ -106,7 +106,7 @@ def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
         asked.append(what)
         yield lambda *_: None
 
-    monkeypatch.setattr(show, "_shown", shown)
+    monkeypatch.setattr(show, "_lines", shown)
     out, file = str(tmp_path / "out"), str(examples.path("stick_slip"))
     assert _status([word.replace("OUT", out).replace("FILE", file) for word in words]) == 0
     assert asked == [what]
