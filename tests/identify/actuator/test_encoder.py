@@ -106,6 +106,7 @@ def test_a_loop_whose_free_motion_strays_is_fitted_along_the_measured_one(seed):
     result = fit_machine(machine, Logs((recording,), sought), starts=1, baselines=False)
     outside = {n: (e.value, e.range) for n, e in result.estimates.items() if not e.range[0] <= truth[n] <= e.range[1]}
     assert not outside
+    assert any("errors are those under this guide" in note for note in result.notes)
 
 
 def test_noise_of_an_input_is_drawn_at_its_size():

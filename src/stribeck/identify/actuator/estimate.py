@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide, steps_apart
 from stribeck.identify.actuator.guides import CARRIED, Guides
-from stribeck.identify.actuator.lacks import RunMotion
+from stribeck.identify.actuator.lacks import RunMotion, errors_of_sensor
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers, noise_of, weigh
@@ -112,8 +112,7 @@ class BestPoint:
 
 def _without_errors_of_sensor(target: Channel, x: Array) -> Array:
     """What a sensor's delay, clock, gain and offset leave of the difference between a measured and a simulated column."""
-    rate = np.gradient(x, target.t) if len(x) > 1 else np.zeros(len(x))
-    errors = np.stack([rate, rate * target.t, x, np.ones(len(x))], axis=1)
+    errors = np.stack([*errors_of_sensor(target.t, x).values()], axis=1)
     errors /= np.maximum(np.max(abs(errors), axis=0), 1e-300)
     return np.asarray(target.x - x - errors @ np.linalg.lstsq(errors, target.x - x)[0])
 
@@ -161,8 +160,8 @@ def estimate(
     if rough or free.stopped:
         return free
 
-    def converged(bandwidths: Sequence[float], other: BestPoint | None = None) -> BestPoint:
-        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths, other))
+    def converged(bandwidths: Sequence[float], last: BestPoint | None = None) -> BestPoint:
+        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths, last))
         if best.problem.colored and not best.stopped:
             try:
                 best.under_guide = search_.under_guide(near)
@@ -191,7 +190,8 @@ def _as_free_as_possible(
     the least error is taken. ``begun`` gives the problem under the guide of a bandwidth. ``last``: a converged fit, where each
     begins at the values of the one before it.
     """
-    scenario, why = free.problem.runs[0].scenario, ""
+    scenario = free.problem.runs[0].scenario
+    why = f"the machine alone strays from the measured motion: {_GUIDED}" if last else ""
     moves = any(x.free for x in scenario.system.bodies)
     chosen, least = free, np.inf
     for bandwidth in bandwidths:

@@ -275,6 +275,12 @@ def _of_number(path: str, now: float) -> Callable[[float], str]:
     return lambda x: f"{path} = {now * float(np.exp(np.clip(x, -3, 3))):.4g} in place of {now:.4g}"
 
 
+def errors_of_sensor(t: Array, x: Array) -> dict[str, Array]:
+    """By how much a sensor of the column ``x`` errs for each unit of its clock (s/s), delay (s), gain and offset."""
+    rate = np.gradient(x, t) if len(t) > 1 else np.zeros(len(t))
+    return {"clock": -rate * t, "delay": -rate, "gain": x, "offset": np.ones(len(t))}
+
+
 def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
     """Delay (s), clock (s/s), gain and offset of each column, of all recordings and of each."""
     every: dict[tuple[str, str], dict[int, Array]] = {}
@@ -282,9 +288,8 @@ def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, st
     columns = [x[0] for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, u[None])]
     for (k, target, _), x in zip(problem.pieces, columns, strict=True):
         if len(target.t) > 2:
-            name, rate = target.column, np.gradient(x, target.t)
-            errors = {"clock": -rate * target.t, "delay": -rate, "gain": x, "offset": np.ones(len(target.t))}
-            for what, error in errors.items():
+            name = target.column
+            for what, error in errors_of_sensor(target.t, x).items():
                 every.setdefault((name, what), {})[k] = error
             step[name] = max(step[name], float(np.median(np.diff(target.t))))
             span[name] = max(span[name], float(np.ptp(target.x)))

@@ -76,9 +76,8 @@ def _filtered_lower(
     if rows.log.bandwidth is None or options.published:
         return None
     again = _chosen(replace(rows, log=smoother_log(rows.log)), [choice.library.curve.law], body, options)
-    again.library.at = replace(
-        again.library.at, speeds=choice.library.at.speeds
-    )  # levels are compared at the same speeds
+    # levels are compared at the same speeds
+    again.library.at = replace(again.library.at, speeds=choice.library.at.speeds)
     return again.library.parameters(again.model, again.coefficients)
 
 
@@ -270,11 +269,9 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     v = np.geomspace(max(slow, 1e-3 * fast), fast, 60)
     level = lib.level(choice.model, choice.coefficients, v)
     _, values, left = steady_curve(v, [], level, np.geomspace(v[0], fast, 60))
-    return (
-        {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left}
-        if values["F_s"] > values["F_c"] > 0
-        else {}
-    )
+    if not values["F_s"] > values["F_c"] > 0:
+        return {}
+    return {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left}
 
 
 def _notes(
