@@ -83,8 +83,7 @@ def turned_in_a_loop(seed):
         speed = 0.8 * speed + 0.2 * (y[i] - y[i - 1]) / 1e-3 if i else 0.0
         u[i] = np.clip(0.24 * (wanted - y[i]) - 4e-3 * speed, -0.18, 0.18)
         for _ in range(fine):
-            half = state + h / 2 * rates(state, u[i])
-            state = state + h * rates(half, u[i])
+            state = state + h * rates(state + h / 2 * rates(state, u[i]), u[i])
     return t, y, u + 1.5e-4 * draw.standard_normal(len(t))
 
 
