@@ -1,7 +1,6 @@
 """Are the two uncertainties of static fits right, and do their predictions hold? Counts on fresh seeds, by family of records.
 
     python benchmarks/estimates.py [--families other lacking ...] [--first 70000] [--count 20]
-    python benchmarks/estimates.py --page    # docs/evidence/static-fits.md of what was counted
 
 other, lacking, bent, pointed: wrong or incomplete friction; how many intervals and ranges hold the truth, and are usable.
 agree, same: halves of a record and records with other motions; the same motion measured twice.
@@ -14,12 +13,11 @@ import json
 import time
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import static_records as records
-from measure import options, write
+from measure import finish, options, say, write
 
 from stribeck.identify.api import read_log
 from stribeck.identify.core.judging import judged
@@ -33,7 +31,6 @@ from stribeck.identify.models.record import record_of, rows_of
 from stribeck.identify.models.steady import chosen
 from stribeck.identify.options import FitOptions
 
-PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
 OUTSIDE = 0.05  # of its rows: a motion with more beyond the ranges that the fit saw is outside
 OF_ALL = ("mass", "offset", "F_c", "sigma_2")
@@ -41,6 +38,7 @@ FAMILIES = {
     "lacking": ("stribeck_tanh", "coulomb_viscous"), "bent": ("stribeck", "stribeck_tanh", "coulomb_viscous"),
     "pointed": ("stribeck", "stribeck_tanh"), "other": ("coulomb_viscous", "stribeck"),
 }  # fmt: skip
+PAIRS, MOTIONS = ("agree", "same"), ("held", "rigs", "kinds")
 
 
 def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]]:
@@ -202,7 +200,7 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
                 "levels n": len(levels), "levels range": np.mean([e["range"] for e in levels]),
                 "levels usable": np.mean([e["usable"] for e in levels]), "levels half width": np.median(half),
             }  # fmt: skip
-    elif family in ("agree", "same"):
+    elif family in PAIRS:
         apart, held = np.array([e["apart"] for e in found]), [h for e in found for h in e["holds"]]
         out = {"n": len(apart), "agree": np.mean(apart <= 1), "median difference": np.median(apart)}
         out |= {"complete n": len(held), "complete interval": np.mean(held)} if held else {}
@@ -218,103 +216,13 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
     return {name: round(float(value), 4) for name, value in out.items()}
 
 
-ASKED = {
-    "lacking": "a term lacks, or none", "bent": "friction bends otherwise", "pointed": "another exponent",
-    "other": "friction of another kind", "agree": "halves; other motions", "same": "the same motion twice",
-    "held": "speeds measured", "rigs": "encoders", "kinds": "rigs of other kinds",
-}  # fmt: skip
-
-
-def page(kept: dict[str, Any]) -> str:
-    """docs/evidence/static-fits.md, of the counts."""
-    lines = [
-        "# Static fits: do intervals contain the truth?",
-        "",
-        "Counts on synthetic records with seeds unused in development. `python benchmarks/estimates.py --page` makes this page.",
-        "[Read an interval](../howto/read-an-interval.md) explains interval, model range and levels.",
-        "",
-        "| records | seeds | estimates | interval holds | range holds | usable | levels | range holds | usable | half width |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for name in (n for n in FAMILIES if n in kept):
-        c = kept[name]
-        shares = [f"{100 * c[k]:.1f} %" for k in ("interval", "range", "usable")]
-        levels = (
-            [f"{100 * c[k]:.1f} %" for k in ("levels range", "levels usable", "levels half width")]
-            if "levels n" in c
-            else ["-"] * 3
-        )
-        first = f"{c['first']} to {c['first'] + c['seeds'] - 1}"
-        count = f"{c['levels n']:.0f}" if "levels n" in c else "-"
-        lines.append(
-            f"| {name}: {ASKED[name]} | {first} | {c['n']:.0f} | {' | '.join(shares)} | {count} | {' | '.join(levels)} |"
-        )
-    reported = {n: kept[n] for n in (*FAMILIES, "agree", "same") if n in kept and "complete n" in kept[n]}
-    if reported:
-        total = sum(c["complete n"] for c in reported.values())
-        held = sum(c["complete n"] * c["complete interval"] for c in reported.values())
-        lines += ["", f"Where the law is complete, {100 * held / total:.1f} % of {total:.0f} intervals hold the truth."]
-    lines += [
-        "",
-        "| two records | seeds | pairs | intervals agree | median difference, in joint intervals |",
-        "|---|---|---|---|---|",
-    ]
-    for name in (n for n in ("agree", "same") if n in kept):
-        c = kept[name]
-        lines.append(
-            f"| {ASKED[name]} | {c['seeds']} | {c['n']:.0f} | {100 * c['agree']:.1f} % | {c['median difference']:.2f} |"
-        )
-    lines += [
-        "",
-        "The error on further motions, over that of the best plain fit (least squares, tanh-Stribeck) of each motion:",
-        "",
-    ]
-    lines += [
-        "| rigs | seeds | motions | mean log ratio | within 1 % | within 5 % | worst |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for name in (n for n in ("held", "rigs", "kinds") if n in kept):
-        c = kept[name]
-        told_shares = f"{100 * c['within 1 %']:.0f} % | {100 * c['within 5 %']:.0f} %"
-        lines.append(
-            f"| {ASKED[name]} | {c['seeds']} | {c['n']:.0f} | {c['mean log ratio']:+.2f} | {told_shares} | {c['worst']:+.2f} |"
-        )
-    return "\n".join([*lines, *_by_range(kept), *_bounds(kept)]) + "\n"
-
-
-def _by_range(kept: dict[str, Any]) -> list[str]:
-    """Rows for the further motions of all rigs, by whether they leave the ranges that the fit saw."""
-    rows = []
-    for part in ("inside", "outside"):
-        of = [c for n in ("held", "rigs", "kinds") if f"{part} n" in (c := kept.get(n, {}))]
-        n = sum(c[f"{part} n"] for c in of)
-        mean, one, five = (
-            sum(c[f"{part} {what}"] * c[f"{part} n"] for c in of) / max(n, 1)
-            for what in ("mean log ratio", "within 1 %", "within 5 %")
-        )
-        worst = max((c[f"{part} worst"] for c in of), default=0.0)
-        rows.append(f"| {part} | | {n:.0f} | {mean:+.2f} | {100 * one:.0f} % | {100 * five:.0f} % | {worst:+.2f} |")
-    return [*rows, "", f"*Outside*: more than {100 * OUTSIDE:.0f} % of the rows leave the fitted positions or speeds."]
-
-
-def _bounds(kept: dict[str, Any]) -> list[str]:
-    """Static friction and Stribeck velocity, which may be bounds, over all families of wrong friction."""
-    rows = ["", "| estimate | n | range holds |", "|---|---|---|"]
-    for label in ("F_s two-sided", "F_s at least", "v_s two-sided", "v_s at most"):
-        of = [c for n in FAMILIES if f"{label} n" in (c := kept.get(n, {}))]
-        n = sum(c[f"{label} n"] for c in of)
-        held = sum(c[f"{label} holds"] * c[f"{label} n"] for c in of)
-        rows.append(f"| {label} | {n:.0f} | {100 * held / max(n, 1):.1f} % |")
-    return rows
-
-
 def main() -> None:
     """Run the families that are asked for; print and write the counts."""
-    given = options(__doc__, "estimates", families=list(ASKED), first=70000, count=(20, 1), page=False)
+    given = options(__doc__, "estimates", families=[*FAMILIES, *PAIRS, *MOTIONS], first=70000, count=(20, 1))
     kept = json.loads(given.out.read_text()) if given.out.exists() else {}
-    for family in [] if given.page else given.families:
+    for family in given.families:
         result, began = list[dict[str, Any]](), time.process_time()
-        of = truths if family in FAMILIES else agreements if family in ("agree", "same") else motions
+        of = truths if family in FAMILIES else agreements if family in PAIRS else motions
         for seed in range(given.first, given.first + given.count):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -324,10 +232,9 @@ def main() -> None:
         for kind in dict.fromkeys(e["kind"] for e in result if "kind" in e):
             by_kind[kind] = counted(family, [e for e in result if e["kind"] == kind])
         kept[family] = {"first": given.first, "seeds": given.count, **counts, "kinds": by_kind}
-        print(family, {k: v for k, v in kept[family].items() if k != "kinds"}, flush=True)
-        write(given.out, kept)
-    if given.page:
-        PAGE.write_text(page(kept), encoding="utf-8")
+        write(given.out, {**kept, "machine": given.machine})
+        say(f"{family}: {counts}")
+    finish(given, kept, "estimates", "agreements", "further_motions", "bounds")
 
 
 if __name__ == "__main__":

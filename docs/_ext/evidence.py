@@ -200,6 +200,84 @@ def coverage(d: Any) -> Rows:
     return head, [[kind, *counts] for kind, counts in kinds.items()]
 
 
+def percent(x: float | None, digits: int = 1) -> str | None:
+    """A share."""
+    return None if x is None else f"{100 * x:.{digits}f} %"
+
+
+# of estimates.json, the families of records
+INCOMPLETE = {
+    "lacking": "a term lacks, or none", "bent": "friction bends otherwise", "pointed": "another exponent",
+    "other": "friction of another kind",
+}  # fmt: skip
+PAIRS = {"agree": "halves; other motions", "same": "the same motion twice"}
+MOTIONS = {"held": "speeds measured", "rigs": "encoders", "kinds": "rigs of other kinds"}
+
+
+def estimates(d: Any) -> Rows:
+    """How many intervals and ranges of estimates.json hold the truth."""
+    head = [
+        "records",
+        "seeds",
+        "estimates",
+        "interval holds",
+        "range holds",
+        "usable",
+        "levels",
+        "range holds",
+        "usable",
+    ]
+    keys = ("interval", "range", "usable"), ("levels range", "levels usable", "levels half width")
+    rows: list[list[object]] = [
+        [
+            f"{name}: {text}", f"{c['first']} to {c['first'] + c['seeds'] - 1}", c["n"], *(percent(c[k]) for k in keys[0]),
+            c.get("levels n"), *(percent(c.get(k)) for k in keys[1]),
+        ]
+        for name, text in INCOMPLETE.items()
+        if (c := d.get(name))
+    ]  # fmt: skip
+    complete = [d[n] for n in (*INCOMPLETE, *PAIRS) if "complete n" in d.get(n, {})]
+    total = sum(c["complete n"] for c in complete)
+    share = percent(sum(c["complete n"] * c["complete interval"] for c in complete) / max(total, 1))
+    return [*head, "half width"], [*rows, ["all whose law is complete", None, total, share, *[None] * 6]]
+
+
+def agreements(d: Any) -> Rows:
+    """How often the intervals of two records in estimates.json agree."""
+    head = ["two records", "seeds", "pairs", "intervals agree", "median difference, in joint intervals"]
+    return head, [
+        [text, c["seeds"], c["n"], percent(c["agree"]), c["median difference"]]
+        for name, text in PAIRS.items()
+        if (c := d.get(name))
+    ]
+
+
+def further_motions(d: Any) -> Rows:
+    """Errors on further motions in estimates.json; all once more by whether they leave the ranges that the fit saw."""
+    what = ("mean log ratio", "within 1 %", "within 5 %")
+    rows: list[list[Any]] = [
+        [x, d[n]["seeds"], *(d[n][k] for k in ("n", *what, "worst"))] for n, x in MOTIONS.items() if n in d
+    ]
+    for part in ("inside", "outside"):
+        of = [d[n] for n in MOTIONS if f"{part} n" in d.get(n, {})]
+        count = sum(c[f"{part} n"] for c in of)
+        means = [sum(c[f"{part} {k}"] * c[f"{part} n"] for c in of) / max(count, 1) for k in what]
+        rows.append([part, None, count, *means, max((c[f"{part} worst"] for c in of), default=0.0)])
+    return ["rigs", "seeds", "motions", *what, "worst"], [
+        [*row[:3], f"{row[3]:+.2f}", percent(row[4], 0), percent(row[5], 0), f"{row[6]:+.2f}"] for row in rows
+    ]
+
+
+def bounds(d: Any) -> Rows:
+    """How many ranges of static friction and Stribeck velocity, which may be bounds, hold in estimates.json."""
+    rows: list[list[object]] = []
+    for label in ("F_s two-sided", "F_s at least", "v_s two-sided", "v_s at most"):
+        of = [(d[n][f"{label} n"], d[n][f"{label} holds"]) for n in INCOMPLETE if f"{label} n" in d.get(n, {})]
+        count = sum(n for n, _ in of)
+        rows.append([label, count, percent(sum(n * held for n, held in of) / max(count, 1))])
+    return ["estimate", "n", "range holds"], rows
+
+
 def fit_speed(d: Any) -> Rows:
     """The table of fit_speed.json."""
     head = ["fit", "processor (s)", "wall (s)", "memory (GB)"]
@@ -220,9 +298,11 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "discretization": discretization, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
     "controller_instructions": controller_instructions, "learning": learning, "learning_gpu": learning_gpu,
     "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
-    "fit_speed": fit_speed,
+    "fit_speed": fit_speed, "estimates": estimates, "agreements": agreements, "further_motions": further_motions,
+    "bounds": bounds,
 }  # fmt: skip
-FILES = {"chains": "machines"}  # tables whose file has another name
+# tables whose file has another name
+FILES = {"chains": "machines", **dict.fromkeys(("agreements", "further_motions", "bounds"), "estimates")}
 
 
 def stored(file: Path) -> str:
