@@ -12,32 +12,27 @@ import math
 import os
 import random
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import peers
 from measure import Seconds, finish, keep, kept, options, say, spread, timed, version
-from numpy.typing import NDArray
-from problems import stick_slip
+from problems import Array, stick_slip
 
 import stribeck
 from stribeck.codegen import source
-from stribeck.simulation import cache, compiler, lanes, native
-from stribeck.simulation.ensemble import Ensemble
+from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.lanes import threads_of_this_machine
 from stribeck.simulation.variations import Variations
 
-Array = NDArray[np.float64]
-Run = Callable[[], Any]  # solves all lanes; what it returns has y of shape (lanes, times)
+Run = Callable[[], Array]  # solves all lanes: y of shape (lanes, times)
 Solve = Callable[[float, float, int], Run]  # rtol, atol, lanes -> prepared
 
 LANES, SECONDS, STEP = 1000, 300.0, 0.3
 ATOL_SHARE = 1e-3  # atol/rtol of the peers
 ONE, ALL, SCALAR = "stribeck, 1 thread", "stribeck, all threads", "stribeck, scalar loop"
-DIFFRAX = "diffrax vmap"
 PROBLEM = stick_slip(SECONDS, STEP)
 NOTHING = Seconds(0.0, 0.0)
 
@@ -60,7 +55,7 @@ class Way:
         like: the way whose tolerance it takes.
         rtol, error, worst: its tolerance, and the errors at it: the median lane's and the largest.
         last: what the last call of errors took.
-        compiled_in: s, where something was compiled apart.
+        made_in: what making it took once, s: importing it and, for some, compiling.
     """
 
     name: str
@@ -69,26 +64,22 @@ class Way:
     lanes: int
     loosest: float = 1e-2
     like: str | None = None
-    compiled_in: float | None = None
+    made_in: float | None = None
     rtol: float = math.nan
     error: float = math.nan
     worst: float = math.nan
     last: Seconds = NOTHING
     times: list[Seconds] = field(default_factory=list)
 
-    def errors(self, count: int, y: Array) -> Array:
+    def errors(self, rtol: float, count: int, y: Array) -> Array:
         """The error of each lane: the largest of y as a part of its range; infinite where it gives up."""
-        run, built = self.solve(self.rtol, ATOL_SHARE * self.rtol, count), []
+        run, built = self.solve(rtol, ATOL_SHARE * rtol, count), []
         try:
             self.last = timed(lambda: built.append(run()))
-            result = built[0]
-            if isinstance(result, Ensemble):
-                result = result["y"]
         except ArithmeticError:
             return np.full(count, math.inf)
-        return np.max(np.abs(np.nan_to_num(result, nan=math.inf) - y[:count]), axis=1) / np.max(
-            np.abs(y[:count]), axis=1
-        )
+        off = np.abs(np.nan_to_num(built[0], nan=math.inf) - y[:count])
+        return np.max(off, axis=1) / np.max(np.abs(y[:count]), axis=1)
 
 
 # -- this project --------------------------------------------------------------------------------------------------
@@ -107,7 +98,7 @@ def own(threads: int | None) -> Solve:
 
     def solve(rtol: float, atol: float, count: int) -> Run:
         scenario, varied = PROBLEM.scenario.with_changes({"solve.rtol": rtol}), values(count)
-        return lambda: stribeck.simulate(scenario, varied, threads=threads)
+        return lambda: stribeck.simulate(scenario, varied, threads=threads)["y"]
 
     return solve
 
@@ -130,59 +121,37 @@ def lane_by_lane(one: peers.Solve) -> Solve:
 
     def solve(rtol: float, atol: float, count: int) -> Run:
         every = list(zip(*(x.tolist() for x in values(count).values()), strict=True))
-        return lambda: np.stack([one(rtol, atol, lane) for lane in every])
+        return lambda: np.stack([one(rtol, atol, lane)[:, 0] for lane in every])
 
     return solve
 
 
-def diffrax(way: Way) -> Solve:
-    """diffrax Kvaerno3 over all lanes at once by jax.vmap; compiled here."""
-    rows = peers.diffrax_rows(PROBLEM, "Kvaerno3")
-    import jax
-
-    started = perf_counter()
-    batch = jax.vmap(rows, in_axes=(None, None, 0, 0))
-    compiled = jax.jit(batch).lower(1e-6, 1e-9, *values(way.lanes).values()).compile()
-    way.compiled_in = perf_counter() - started
-
-    def solve(rtol: float, atol: float, count: int) -> Run:
-        varied = values(way.lanes)
-
-        def run() -> Array:
-            y, success = compiled(rtol, atol, *varied.values())
-            if not np.all(success):
-                raise ArithmeticError("diffrax needed too many steps")
-            return np.asarray(y)[:count]
-
-        return run
-
-    return solve
+def diffrax(count: int) -> Solve:
+    """diffrax Kvaerno3 over so many lanes at once."""
+    one = peers.diffrax(PROBLEM, "Kvaerno3", values(count))
+    return lambda rtol, atol, some: lambda: one(rtol, atol)[:some, :, 0]
 
 
 def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
     """What can be measured here, and why the rest cannot."""
     share = 10 if quick else 1
-    threads = lanes.threads_of_this_machine()
+    threads = threads_of_this_machine()
     results = [
         Way(ONE, f"simulate_ensemble, vectors of {width()}", own(1), LANES // share),
         Way(ALL, f"simulate_ensemble on {threads} threads", own(None), LANES // share, like=ONE),
         Way(SCALAR, "native.solve lane by lane, 1 thread", scalar_loop, 250 // share, like=ONE),
     ]
-    missing = {}
-    makers: list[tuple[str, str, str, int, Callable[[Way], Solve]]] = [
-        ("numbalsoda", "numbalsoda", "LSODA lane by lane, equations compiled", 80 // share,
-         lambda way: lane_by_lane(peers.numbalsoda(PROBLEM))),
-        ("SciPy odeint, tuned", "scipy", "LSODA lane by lane, Python equations", 8 // min(share, 4),
-         lambda way: lane_by_lane(peers.odeint(PROBLEM, tuned=True))),
-        (DIFFRAX, "diffrax", "Kvaerno3, compiled by JAX", 100 // share, diffrax),
-    ]  # fmt: skip
-    for name, package, what, count, make in makers:
-        try:
-            way = Way(name, f"{package} {version(package)}, {what}", lambda *_: np.empty, count, loosest=1e-5)
-            way.solve = make(way)
-            results.append(way)
-        except (ImportError, OSError) as error:
-            missing[name] = f"not installed ({error})"
+    makers: dict[str, tuple[str, str, int, Callable[[], Solve]]] = {
+        "numbalsoda": ("numbalsoda", "LSODA lane by lane, equations compiled", 80 // share,
+                       lambda: lane_by_lane(peers.numbalsoda(PROBLEM))),
+        "SciPy odeint, tuned": ("scipy", "LSODA lane by lane, Python equations", 8 // min(share, 4),
+                                lambda: lane_by_lane(peers.odeint(PROBLEM, tuned=True))),
+        "diffrax vmap": ("diffrax", "Kvaerno3, compiled by JAX", 100 // share, lambda: diffrax(100 // share)),
+    }  # fmt: skip
+    made, missing = peers.installed({name: make for name, (*_, make) in makers.items()})
+    for name, (solve, seconds) in made.items():
+        package, what, count, _ = makers[name]
+        results.append(Way(name, f"{package} {version(package)}, {what}", solve, count, 1e-5, made_in=seconds))
     return results, missing
 
 
@@ -195,7 +164,7 @@ SLOW = 10.0  # s: what takes longer is run once
 
 def reference(count: int) -> tuple[Array, dict[str, Any]]:
     """The rows of tight runs, and how well SciPy agrees on two lanes."""
-    y = own(None)(REFERENCE_RTOL, 0.0, count)()["y"]
+    y = own(None)(REFERENCE_RTOL, 0.0, count)()
     other = lane_by_lane(peers.odeint(PROBLEM, tuned=True))(CHECK_RTOL, ATOL_SHARE * CHECK_RTOL, 2)()
     differs = float(np.max(np.abs(other - y[:2]) / np.max(np.abs(y[:2]), axis=1, keepdims=True)))
     if differs > LIMIT / 10:
@@ -215,28 +184,26 @@ def find_tolerance(way: Way, found: dict[str, Way], y: Array, quick: bool) -> No
         way.rtol = found[way.like].rtol
     elif key in (before := kept()):
         way.rtol = before[key]["rtol"]
-        errors = way.errors(way.lanes, y)
+        errors = way.errors(way.rtol, way.lanes, y)
     fits = errors is not None and (quick or TRUSTED[0] <= np.median(errors) <= TRUSTED[1])
     if way.like not in found and not fits:
-        errors = None
-        scan(way, y)
+        say(f"scan for the tolerance of {way.name}")
+        some, errors = min(way.lanes, 64), None
+        way.rtol, _ = peers.loosest(series(way.loosest), lambda rtol: np.median(way.errors(rtol, some, y)), LIMIT)
         if way.name != ONE:
             keep(key, way.rtol, ATOL_SHARE * way.rtol)
     if errors is None:
-        errors = way.errors(way.lanes, y)
+        errors = way.errors(way.rtol, way.lanes, y)
     way.error, way.worst = float(np.median(errors)), float(np.max(errors))
     if way.last.cpu > SLOW:
         way.times.append(way.last)
 
 
-def scan(way: Way, y: Array) -> None:
-    """The loosest rtol whose typical error keeps the limit, on some of the lanes."""
-    say(f"scan for the tolerance of {way.name}")
-    way.rtol = way.loosest
-    while np.median(way.errors(min(way.lanes, 64), y)) > LIMIT:
-        way.rtol /= 10 ** (1 / PER_DECADE)
-        if way.rtol < TIGHTEST:
-            raise ArithmeticError(f"no tolerance gives an error of {LIMIT:g} of the range")
+def series(rtol: float) -> Iterator[float]:
+    """Tolerances from one on, ever tighter."""
+    while rtol >= TIGHTEST:
+        yield rtol
+        rtol /= 10 ** (1 / PER_DECADE)
 
 
 def entry(way: Way, scalar: Way) -> dict[str, Any]:
@@ -248,18 +215,17 @@ def entry(way: Way, scalar: Way) -> dict[str, Any]:
         "rtol": way.rtol,
         "error": way.error,
         "worst_error": way.worst,
-        "compiled_in_seconds": way.compiled_in,
+        "made_in_seconds": way.made_in,
         "cpu_milliseconds": spread([1e3 * t.cpu / way.lanes for t in way.times]),
         "wall_milliseconds": spread([1e3 * t.wall / way.lanes for t in way.times]),
         "trajectories_per_second": spread([way.lanes / t.wall for t in way.times]),
-        "cpu_ratio_to_scalar_loop": spread(ratios(scalar, way, "cpu")),
+        "cpu_ratio_to_scalar_loop": spread(ratios(scalar, way)),
     }
 
 
-def ratios(slow: Way, fast: Way, clock: str) -> list[float]:
+def ratios(slow: Way, fast: Way) -> list[float]:
     """How many times faster a lane is, repetition by repetition (of a slow way there is but one)."""
-    pairs = zip(slow.times, fast.times, strict=False)
-    return [(getattr(s, clock) / slow.lanes) / (getattr(f, clock) / fast.lanes) for s, f in pairs]
+    return [(s.cpu / slow.lanes) / (f.cpu / fast.lanes) for s, f in zip(slow.times, fast.times, strict=False)]
 
 
 def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:

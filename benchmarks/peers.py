@@ -1,162 +1,186 @@
-"""Every solver of a problem behind one call: tolerances in, y at the problem's times out.
+"""Every solver of a problem behind one call, and the search for the tolerance that gives an error.
 
-Those that an ensemble takes too have k_v and F_s as a third argument.
+A call takes rtol, atol and what the problem's pieces have of their own, and returns the compared columns at the rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from time import perf_counter
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, TypeVar
 
 import numpy as np
 from measure import version
-from numpy.typing import NDArray
-from problems import F_S, K_V, SIGMA_0, Problem, friction_by
+from problems import SIGMA_0, Array, Problem, Rates
 
 import stribeck
 from stribeck.codegen import source
 from stribeck.simulation import cache, compiler, native
 
-Array = NDArray[np.float64]
-Solve = Callable[..., Array]  # rtol, atol (None: the solver's own choice), k_v and F_s -> y at the times
-VALUES = (K_V, F_S)
+T = TypeVar("T")
+Solve = Callable[..., Array]  # rtol, atol (None: the solver's own choice), values of the pieces -> rows
+Piece = Callable[..., Array]  # rtol, atol, first and last row, states there, values -> states at the rows
 
 MOST_STEPS = 10**6
 DIFFRAX_FIRST_STEP = 1e-6
+
+
+def in_pieces(problem: Problem, piece: Piece) -> Solve:
+    """A solver that is run for each stretch without a jump."""
+
+    def solve(rtol: float, atol: float, values: tuple[float, ...] | None = None) -> Array:
+        states = np.zeros((len(problem.times), len(problem.scales)))
+        for first, last, own in problem.pieces:
+            states[first : last + 1] = piece(rtol, atol, first, last, states[first], values or own)
+        return states[:, : len(problem.columns)]
+
+    return solve
 
 
 def odeint(problem: Problem, tuned: bool) -> Solve:
     """SciPy's odeint (LSODA in Fortran or C), numerical Jacobian."""
     from scipy.integrate import odeint
 
-    times, rest, rates = problem.times, problem.rest, _python(problem, tuned)
+    rates = _python(problem, tuned)
 
-    def solve(rtol: float, atol: float | None, values: tuple[float, ...] = VALUES) -> Array:
+    def piece(rtol: float, atol: float, first: int, last: int, x: Array, values: Any) -> Array:
         rows, info = odeint(
-            rates, rest, times, values, rtol=rtol, atol=atol, tfirst=True, mxstep=MOST_STEPS, full_output=True
-        )
+            rates, x, problem.times[first : last + 1], (values,), rtol=rtol, atol=atol * problem.scales, tfirst=True,
+            mxstep=MOST_STEPS, full_output=True,
+        )  # fmt: skip
         if info["message"] != "Integration successful.":
             raise ArithmeticError(info["message"])
-        return rows[:, 0]
+        return rows
 
-    return solve
+    return in_pieces(problem, piece)
 
 
 def solve_ivp(problem: Problem, method: str, tuned: bool) -> Solve:
     """SciPy's solve_ivp with a method, numerical Jacobian."""
     from scipy.integrate import solve_ivp
 
-    times, rest, rates = problem.times, problem.rest, _python(problem, tuned)
+    rates = _python(problem, tuned)
 
-    def solve(rtol: float, atol: float | None) -> Array:
-        result = solve_ivp(rates, (times[0], times[-1]), rest, method=method, t_eval=times, rtol=rtol, atol=atol)
+    def piece(rtol: float, atol: float, first: int, last: int, x: Array, values: Any) -> Array:
+        times, how = problem.times[first : last + 1], {"rtol": rtol, "atol": atol * problem.scales}
+        result = solve_ivp(rates, (times[0], times[-1]), x, method, times, args=(values,), **how)
         if not result.success:
             raise ArithmeticError(result.message)
-        return result.y[0]
+        return result.y.T
 
-    return solve
+    return in_pieces(problem, piece)
 
 
-def _python(problem: Problem, tuned: bool) -> Callable[..., Any]:
+def _python(problem: Problem, tuned: bool) -> Rates:
     """The equations in Python; tuned, on Python's own floats, which are quicker than NumPy's scalars."""
-    rates = problem.rates()
-    return (lambda t, x, *values: rates(t, x.tolist(), *values)) if tuned else rates
+    rates = problem.equations(math)
+    return (lambda t, x, values: rates(t, x.tolist(), values)) if tuned else rates
 
 
 def numbalsoda(problem: Problem) -> Solve:
     """numbalsoda (LSODA in C++) with equations compiled by numba."""
-    from numbalsoda import lsoda
+    import numba
+    from numbalsoda import lsoda, lsoda_sig
 
-    function, times, rest = problem.compiled_rates(), problem.times, problem.rest
+    by_numba = SimpleNamespace(exp=math.exp, atan=math.atan, compiled=numba.njit)
+    rates, s, order = numba.njit(problem.equations(by_numba)), tuple(problem.scales.tolist()), len(problem.scales)
 
-    def solve(rtol: float, atol: float | None, values: tuple[float, ...] = VALUES) -> Array:
-        data = np.array(values)
-        rows, success = lsoda(function.address, rest, times, data=data, rtol=rtol, atol=atol, mxstep=MOST_STEPS)
+    @numba.cfunc(lsoda_sig)
+    def function(t, x, derivative, data):  # type: ignore[no-untyped-def]
+        three = (x[0] * s[0], x[1] * s[1], x[2] * s[2])
+        # numba keeps the branch of this order alone
+        more = () if order == 3 else (x[3] * s[3],) if order == 4 else (x[3] * s[3], x[4] * s[4], x[5] * s[5])
+        result = rates(t, three + more, data)
+        for i in range(order):
+            derivative[i] = result[i] / s[i]
+
+    def piece(rtol: float, atol: float, first: int, last: int, x: Array, values: Any) -> Array:
+        times, data = problem.times[first : last + 1], np.array(values)
+        start = x / problem.scales
+        rows, success = lsoda(function.address, start, times, data=data, rtol=rtol, atol=atol, mxstep=MOST_STEPS)
         if not success:
             raise ArithmeticError("numbalsoda failed")
-        return rows[:, 0]
+        return rows * problem.scales
 
-    return solve
+    return in_pieces(problem, piece)
 
 
 def cvode(problem: Problem) -> Solve:
-    """SUNDIALS CVODE (BDF) through scikit-sundae, Python equations, numerical Jacobian."""
+    """SUNDIALS CVODE (BDF) through scikit-sundae, NumPy equations; the Jacobian by differences, sparse if few states meet."""
     from sksundae.cvode import CVODE
 
-    times, rest, rates = problem.times, problem.rest, problem.rates()
+    rates, wide, sparse = problem.equations(np if problem.width > 1 else math), problem.width, {}
+    if problem.neighbors is not None:
+        sparse = {"linsolver": "sparse", "sparsity": problem.neighbors}
 
-    def right_side(t: float, x: Array, derivative: Array) -> None:
-        derivative[:] = rates(t, x)
+    def piece(rtol: float, atol: float, first: int, last: int, x: Array, values: Any) -> Array:
+        def right_side(t: float, x: Array, derivative: Array) -> None:
+            derivative[:] = rates(t, x, values) if wide == 1 else np.hstack(rates(t, x.reshape(-1, wide), values))
 
-    def solve(rtol: float, atol: float | None) -> Array:
-        result = CVODE(right_side, rtol=rtol, atol=atol, max_num_steps=MOST_STEPS).solve(times, rest)
+        how = {"rtol": rtol, "atol": atol * problem.scales, "max_num_steps": MOST_STEPS, **sparse}
+        result = CVODE(right_side, **how).solve(problem.times[first : last + 1], x)
         if not result.success:
             raise ArithmeticError(result.message)
-        return result.y[:, 0]
+        return result.y
 
-    return solve
+    return in_pieces(problem, piece)
 
 
 def casadi(problem: Problem) -> Solve:
     """SUNDIALS CVODES (BDF) through CasADi, symbolic equations, derived Jacobian."""
     import casadi
 
-    times, rest = problem.times, problem.rest
-    t, x = casadi.SX.sym("t"), casadi.SX.sym("x", problem.order)
-    rates = problem.equations(friction_by(casadi))(t, casadi.vertsplit(x))
-    equations = {"t": t, "x": x, "ode": casadi.vertcat(*rates)}
+    s = problem.scales
+    t, x, p = casadi.SX.sym("t"), casadi.SX.sym("x", len(s)), casadi.SX.sym("p", len(problem.pieces[0][-1]))
+    rates = problem.equations(casadi)(t, casadi.vertsplit(x * s, problem.width), casadi.vertsplit(p))
+    equations = {"t": t, "x": x, "p": p, "ode": casadi.vertcat(*rates) / s}
 
     @lru_cache
-    def integrator(rtol: float, atol: float) -> Any:
+    def integrator(first: int, last: int, rtol: float, atol: float) -> Any:
         options = {"reltol": rtol, "abstol": atol, "max_num_steps": MOST_STEPS, "show_eval_warnings": False}
+        times = problem.times[first : last + 1]
         return casadi.integrator("rows", "cvodes", equations, times[0], times[1:], options)
 
-    def solve(rtol: float, atol: float | None) -> Array:
-        assert atol is not None
+    def piece(rtol: float, atol: float, first: int, last: int, x: Array, values: Any) -> Array:
         try:
-            rows = integrator(rtol, atol)(x0=rest)["xf"]
+            rows = integrator(first, last, rtol, atol)(x0=x / s, p=values)["xf"]
         except RuntimeError as error:
             raise ArithmeticError(str(error)) from None
-        return np.concatenate([rest[:1], np.asarray(rows)[0]])
+        return np.vstack([x, np.asarray(rows).T * s])
 
-    return solve
+    return in_pieces(problem, piece)
 
 
-def diffrax_rows(problem: Problem, method: str) -> Callable[..., Any]:
-    """rtol, atol, k_v, F_s -> y at the times, and whether all went well; for jax.jit and jax.vmap."""
+def diffrax(problem: Problem, method: str, lanes: Mapping[str, Array] | None = None) -> Solve:
+    """diffrax: an implicit Runge-Kutta method, equations and solver compiled by JAX, here and once; lanes all at once."""
     import diffrax
     import jax
     import jax.numpy
 
     jax.config.update("jax_enable_x64", True)
-    rates = problem.equations(friction_by(jax.numpy))
-    term = diffrax.ODETerm(lambda t, x, args: jax.numpy.stack(rates(t, x, *args)))
-    times, rest = jax.numpy.asarray(problem.times), jax.numpy.asarray(problem.rest)
+    rates, values = problem.equations(jax.numpy), problem.pieces[0][-1]
+    term = diffrax.ODETerm(lambda t, x, p: jax.numpy.stack(rates(t, x, p)))
+    times, rest = jax.numpy.asarray(problem.times), jax.numpy.zeros(len(problem.scales))
 
-    def rows(rtol: Any, atol: Any, k_v: Any, F_s: Any) -> Any:
+    def rows(rtol: Any, atol: Any, p: Any) -> Any:
         outcome = diffrax.diffeqsolve(
-            term, getattr(diffrax, method)(), times[0], times[-1], DIFFRAX_FIRST_STEP, rest, args=(k_v, F_s),
+            term, getattr(diffrax, method)(), times[0], times[-1], DIFFRAX_FIRST_STEP, rest, args=p,
             saveat=diffrax.SaveAt(ts=times), stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
             max_steps=MOST_STEPS, throw=False,
         )  # fmt: skip
-        return outcome.ys[:, 0], outcome.result == diffrax.RESULTS.successful
+        return outcome.ys[:, : len(problem.columns)], outcome.result == diffrax.RESULTS.successful
 
-    return rows
+    if lanes is not None:
+        rows, values = jax.vmap(rows, in_axes=(None, None, 0)), tuple(lanes.values())
+    compiled = jax.jit(rows).lower(1e-6, 1e-9, values).compile()
 
-
-def diffrax(problem: Problem, method: str) -> Solve:
-    """diffrax: an implicit Runge-Kutta method, equations and solver compiled by JAX; compiled here, once."""
-    rows = diffrax_rows(problem, method)
-    import jax
-
-    compiled = jax.jit(rows).lower(1e-6, 1e-9, K_V, F_S).compile()
-
-    def solve(rtol: float, atol: float | None) -> Array:
-        y, success = compiled(rtol, atol, K_V, F_S)
-        if not success:
+    def solve(rtol: float, atol: float) -> Array:
+        y, success = compiled(rtol, atol, values)
+        if not np.all(success):
             raise ArithmeticError("diffrax needed too many steps")
         return np.asarray(y)
 
@@ -208,6 +232,10 @@ class Solver:
     like: str | None = None
     made_in: float | None = None
 
+    def at(self, rtol: float, share: float | None) -> Array:
+        """Solve once."""
+        return self.solve(rtol, None if share is None else share * rtol)
+
 
 class Stribeck:
     """The compiled simulator of this project."""
@@ -220,51 +248,70 @@ class Stribeck:
         started = perf_counter()
         self.library, _ = cache.library(source(self.scenario.system), chosen)
         self.made_in = perf_counter() - started
-        self._scenarios: dict[tuple[float, float | None], stribeck.Scenario] = {}
 
-    def at(self, rtol: float, atol: float | None) -> stribeck.Scenario:
+    @lru_cache  # noqa: B019
+    def at(self, rtol: float, atol: float | None = None) -> stribeck.Scenario:
         """The scenario with these tolerances, made once."""
-        key = (rtol, atol)
-        if key not in self._scenarios:
-            changes: dict[str, object] = {"solve.rtol": rtol}
-            if atol is not None:
-                names = [state.name for state in self.scenario.system.states]
-                changes["solve.atol"] = {name: atol / SIGMA_0 if name == "z" else atol for name in names}
-            self._scenarios[key] = self.scenario.with_changes(changes)
-        return self._scenarios[key]
+        changes: dict[str, object] = {"solve.rtol": rtol}
+        if atol is not None:
+            names = [state.name for state in self.scenario.system.states]
+            changes["solve.atol"] = {name: atol / SIGMA_0 if name == "z" else atol for name in names}
+        return self.scenario.with_changes(changes)
 
     def solve(self, rtol: float, atol: float | None) -> Array:
         """The solver alone: native.solve, rows and events included."""
         result = native.solve(self.library, self.at(rtol, atol))
         if result.reason is not None:
             raise ArithmeticError(result.reason)
-        return result.states[self.problem.first_row :, 0]
+        return result.states[self.problem.first_row :, : len(self.problem.columns)]
 
     def simulate(self, rtol: float, atol: float | None) -> Array:
-        """The whole public call, with the look into the cache and the column y."""
-        return stribeck.simulate(self.at(rtol, atol))["y"][self.problem.first_row :]
+        """The whole public call, with the look into the cache and the columns."""
+        solution, first = stribeck.simulate(self.at(rtol, atol)), self.problem.first_row
+        return np.stack([solution[name][first:] for name in self.problem.columns], axis=1)
 
 
-def own_solvers(problem: Problem) -> list[Solver]:
-    """This project's solver, as it is timed: alone, with the peers' atol, and as the whole public call."""
-    own = Stribeck(problem)
-    whole = "stribeck.simulate, the compiled system in the cache, default atol"
-    return [
-        Solver(BASE, "native.solve, default atol", own.solve, (None,), OWN_LOOSEST, made_in=own.made_in),
-        Solver(PEERS_ATOL, f"native.solve, {PEER_ATOL}", own.solve, loosest=OWN_LOOSEST),
-        Solver("stribeck.simulate", whole, own.simulate, like=BASE),
-    ]
+def installed(makers: Mapping[str, Callable[[], T]]) -> tuple[dict[str, tuple[T, float]], dict[str, str]]:
+    """What can be made here, with the time that it took, s; and why the others cannot."""
+    outcome, missing = dict[str, tuple[T, float]](), dict[str, str]()
+    for name, make in makers.items():
+        started = perf_counter()
+        try:
+            outcome[name] = make(), perf_counter() - started
+        except (ImportError, OSError) as error:
+            missing[name] = f"not installed ({error})"
+    return outcome, missing
 
 
 def available(problem: Problem) -> tuple[list[Solver], dict[str, str]]:
     """The solvers that can be measured here, the one of this project first; and why the others cannot."""
-    outcome, missing = own_solvers(problem), dict[str, str]()
-    for name, package, words, make, more in PEERS:
-        try:
-            started = perf_counter()
-            solve = make(problem)
+    own = Stribeck(problem)
+    whole = "stribeck.simulate, the compiled system in the cache, default atol"
+    outcome = [
+        Solver(BASE, "native.solve, default atol", own.solve, (None,), OWN_LOOSEST, made_in=own.made_in),
+        Solver(PEERS_ATOL, f"native.solve, {PEER_ATOL}", own.solve, loosest=OWN_LOOSEST),
+        Solver("stribeck.simulate", whole, own.simulate, like=BASE),
+    ]
+    made, missing = installed({name: partial(make, problem) for name, _, _, make, _ in PEERS})
+    for name, package, words, _, more in PEERS:
+        if name in made:
             what = f"{package} {version(package)}, {words}, {PEER_ATOL}"
-            outcome.append(Solver(name, what, solve, made_in=perf_counter() - started, **more))
-        except (ImportError, OSError) as error:
-            missing[name] = f"not installed ({error})"
+            outcome.append(Solver(name, what, made[name][0], made_in=made[name][1], **more))
     return outcome, missing
+
+
+def error_of(solver: Solver, rtol: float, share: float | None, exact: Array) -> float:
+    """The largest error over the rows, as a part of each column's range; infinite where the solver gives up."""
+    try:
+        difference = solver.at(rtol, share) - exact
+    except ArithmeticError:
+        return math.inf
+    return float(np.max(np.max(np.abs(difference), axis=0) / np.max(np.abs(exact), axis=0)))
+
+
+def loosest(rtols: Iterable[float], error: Callable[[float], float], most: float) -> tuple[float, float]:
+    """The first of tolerances, ever tighter, that keeps the error, and the error there."""
+    for rtol in rtols:
+        if (reached := error(rtol)) <= most:
+            return rtol, reached
+    raise ArithmeticError(f"no tolerance gives an error of {most:g} of the range")

@@ -24,9 +24,10 @@ from typing import Any
 
 import numpy as np
 from measure import Seconds, finish, keep, kept, options, say, spread, timed
-from peers import BASE, Array, Solver, Stribeck, available, solve_ivp
-from problems import LIMIT_CYCLE
+from peers import BASE, Solver, Stribeck, available, error_of, solve_ivp
+from problems import Array, limit_cycle
 
+PROBLEM = limit_cycle(250.0, 0.05)
 LIMIT = 1e-6  # of the range of y
 REFERENCE_RTOL = 1e-12
 CHECK_RTOL = 1e-10
@@ -58,11 +59,11 @@ class Choice:
 
 def reference() -> tuple[Array, dict[str, Any]]:
     """The reference rows, and how well two others agree with them."""
-    own = Stribeck(LIMIT_CYCLE)
+    own = Stribeck(PROBLEM)
     y = own.solve(REFERENCE_RTOL, None)
     scale = float(np.max(np.abs(y)))
     looser = float(np.max(np.abs(own.solve(10 * REFERENCE_RTOL, None) - y))) / scale
-    radau = float(np.max(np.abs(solve_ivp(LIMIT_CYCLE, "Radau", tuned=True)(CHECK_RTOL, CHECK_RTOL / 100) - y))) / scale
+    radau = float(np.max(np.abs(solve_ivp(PROBLEM, "Radau", tuned=True)(CHECK_RTOL, CHECK_RTOL / 100) - y))) / scale
     if max(looser, radau) > LIMIT / 10:
         raise SystemExit(f"the reference is uncertain: {looser:.1e} by rtol, {radau:.1e} from SciPy's Radau")
     return y, {
@@ -149,15 +150,6 @@ def scan_share(solver: Solver, share: float | None, y: Array) -> Choice | None:
     return choice
 
 
-def error_of(solver: Solver, rtol: float, share: float | None, y: Array) -> float:
-    """The largest error of y over the rows, as a part of the range; infinite where the solver gives up."""
-    try:
-        difference = solver.solve(rtol, None if share is None else share * rtol) - y
-    except ArithmeticError:
-        return math.inf
-    return float(np.max(np.abs(difference)) / np.max(np.abs(y)))
-
-
 def is_quick(solver: Solver, share: float | None) -> bool:
     """Whether the scan can afford many points."""
     rtol = solver.loosest / 10
@@ -196,7 +188,7 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
         os.environ["STRIBECK_CACHE"] = folder
         say("reference")
         y, about = reference()
-        solvers, missing = available(LIMIT_CYCLE)
+        solvers, missing = available(PROBLEM)
         choices, failed = tolerances(solvers, y, rescan)
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
@@ -206,7 +198,7 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
     return {
         "benchmark": "limit cycle, one simulation",
         "error_limit": LIMIT,
-        "rows": LIMIT_CYCLE.scenario.rows,
+        "rows": PROBLEM.scenario.rows,
         "reference": about,
         "solvers": lines,
         "not_measured": missing,

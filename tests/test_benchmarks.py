@@ -42,7 +42,9 @@ def test_peers_arrive_where_the_simulation_does(problems, name):
 
     problem = getattr(problems, name)(20.0, 0.5)
     y = stribeck.simulate(problem.scenario)["y"][problem.first_row :]
-    rows = odeint(problem.rates(), problem.rest, problem.times, rtol=1e-9, atol=1e-12, tfirst=True, mxstep=10**5)
+    ((_, _, constants),), rest = problem.pieces, 0.0 * problem.scales
+    how = {"rtol": 1e-9, "atol": 1e-12, "tfirst": True, "mxstep": 10**5, "args": (constants,)}
+    rows = odeint(problem.equations(math), rest, problem.times, **how)
     assert abs(rows[:, 0] - y).max() < 1e-5 * abs(y).max()
     assert abs(y).max() > 0.5
 
