@@ -6,15 +6,14 @@ Both solve in turn, in one run. "First" is a whole process with an empty cache, 
 from __future__ import annotations
 
 import math
-import os
 import statistics
-import subprocess
 import sys
 import tempfile
 from functools import partial
+from typing import Any
 
 import numpy as np
-from measure import finish, in_turn, options, say, spread
+from measure import Given, in_turn, process, run, say, spread
 
 from stribeck import Scenario, examples
 from stribeck.codegen import source
@@ -23,18 +22,8 @@ from stribeck.simulation import cache, compiler, native, wasm
 PROCESS = "import sys; from stribeck import simulate; assert simulate(sys.argv[1]).success"
 
 
-def processor_seconds(name: str, backend: str, folder: str) -> float:
-    """The processor time of a process that simulates an example, its compiler's included."""
-    before = os.times()
-    environment = os.environ | {"STRIBECK_BACKEND": backend, "STRIBECK_CACHE": folder}
-    subprocess.run([sys.executable, "-c", PROCESS, str(examples.path(name))], env=environment, check=True)
-    after = os.times()
-    return after.children_user + after.children_system - before.children_user - before.children_system
-
-
-def main() -> None:
-    """Measure, print, and write the results."""
-    given = options(__doc__, "backends", repetitions=(15, 3))
+def benchmark(given: Given) -> dict[str, Any]:
+    """Every example by both."""
     result = compiler.find()
     if result is None:
         sys.exit("there is no C compiler to compare with")
@@ -54,14 +43,16 @@ def main() -> None:
         ratios = [wasm.cpu / c.cpu for wasm, c in zip(taken["wasm"], taken["c"], strict=True)]
         first = {}
         for backend in by:
+            command = [sys.executable, "-c", PROCESS, str(examples.path(name))]
             with tempfile.TemporaryDirectory() as folder:
-                cold, warm = (processor_seconds(name, backend, folder) for _ in range(2))
+                how = {"STRIBECK_BACKEND": backend, "STRIBECK_CACHE": folder}
+                cold, warm = (process(command, **how).cpu for _ in range(2))
             first[backend] = {"first": cold, "again": warm}
         lines.append({"example": name, "ratio": spread(ratios), "off": off, "process": first})
     mean = math.exp(statistics.fmean(math.log(line["ratio"]["median"]) for line in lines))
     print(f"geometric mean of the ratios: {mean:.2f}")
-    finish(given, {"geometric_mean": mean, "examples": lines})
+    return {"geometric_mean": mean, "examples": lines}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "backends", repetitions=(15, 3))

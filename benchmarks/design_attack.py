@@ -11,7 +11,6 @@ from __future__ import annotations
 import ctypes
 import json
 import math
-import sys
 import time
 from copy import deepcopy
 from functools import cache
@@ -19,16 +18,14 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from measure import compiled, finish, options, say
+from measure import Given, compiled, run, say
 
-ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT))
-
-import stribeck  # noqa: E402
-from stribeck.arrays import Array  # noqa: E402
-from stribeck.loops.judge import IRREGULAR, judge  # noqa: E402
-from stribeck.loops.loop import loop_of  # noqa: E402
-from tests.reference.apart import solve  # noqa: E402
+import stribeck
+from stribeck.arrays import Array
+from stribeck.loops.judge import IRREGULAR, judge
+from stribeck.loops.loop import loop_of
+from tests.machine.machines import edited
+from tests.reference.apart import solve
 
 AWAY = 0.05
 POINTS = 10  # of each machine
@@ -103,19 +100,6 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
             vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{30 * own['K_d']}"
         results.append((kind, data, vary))
     return results
-
-
-def changed(data: Data, path: str, value: float) -> Data:
-    """The machine with one number replaced."""
-    data = deepcopy(data)
-    *words, last = path.split(".")
-    place: Any = data
-    for word in words:
-        place = place[word]
-    if last not in place and "parameters" in place:
-        place = place["parameters"]
-    place[last] = value
-    return data
 
 
 class Apart(ctypes.Structure):
@@ -226,11 +210,11 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
         x = share * b.value
         if line.turned.low <= x <= line.turned.high:
             strict = {b.below, b.above} == {"hunting", "unstable"}
-            asked.append(Asked(f"{b.path} = {x:.6g}", changed(data, b.path, x), text, strict=strict))
+            asked.append(Asked(f"{b.path} = {x:.6g}", edited(data, {b.path: x}), text, strict=strict))
     clear = [i for i, x in enumerate(line.values) if not any(m.low <= x <= m.high for m in line.mixed)]
     for i in random.permutation(clear)[: POINTS - len(asked)]:
         x, path = float(line.values[i]), line.turned.path
-        asked.append(Asked(f"{path} = {x:.6g}", changed(data, path, x), line.judgments[i].verdict))
+        asked.append(Asked(f"{path} = {x:.6g}", edited(data, {path: x}), line.judgments[i].verdict))
     rows = []
     for each in asked:
         begun_at, slowest = time.process_time(), loop_of(stribeck.Scenario(each.data)).slowest
@@ -251,7 +235,7 @@ def by_chance(each: Asked, got: str, moved: float) -> bool:
     Behind an encoder, such a cycle rests where a swing happens to end within friction's reach: a gain that differs by 1e-9
     moves that by hundreds of seconds, so that no simulation can tell when.
     """
-    data = changed(each.data, "bodies.a.initial", {"y": each.start[0], "v": each.start[1]})
+    data = edited(each.data, {"bodies.a.initial": {"y": each.start[0], "v": each.start[1]}})
     return got == "quiet" and moved > BY_CHANCE and judge(loop_of(stribeck.Scenario(data)))[0].note == IRREGULAR
 
 
@@ -298,9 +282,8 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
     return rows
 
 
-def main() -> None:
+def benchmark(given: Given) -> dict[str, Any]:
     """Run both; rows are said as they come."""
-    given = options(__doc__, "design_attack", machines=(20, 1), axes=(3, 1), seed=1)
     random, begun = np.random.default_rng(given.seed), time.process_time()
     factors = [row for i in range(given.axes) for row in compensation(random, sampled=bool(i % 2))]
     rows: list[Data] = []
@@ -310,8 +293,8 @@ def main() -> None:
         rows += verdicts(kind, data, vary, random)
     print(f"the simulator apart differs from SciPy by at most {max(differences, default=0.0):.1g} of the travel")
     about = {"seed": given.seed, "seconds": round(time.process_time() - begun), "difference_to_scipy": differences}
-    finish(given, {**about, "verdicts": rows, "factors": factors})
+    return {**about, "verdicts": rows, "factors": factors}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "design_attack", machines=(20, 1), axes=(3, 1), seed=1)

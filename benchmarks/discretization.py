@@ -20,11 +20,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from measure import compiled, finish, options, say
+from measure import Given, compiled, finish, run, say
 
 import stribeck
-from stribeck.exports.request import Request
-from stribeck.exports.targets.mujoco import files
+from tests.exports import in_mujoco
 
 STEPS = (1e-4, 1e-3, 4e-3)
 MASS = 1.0
@@ -78,23 +77,6 @@ class Exported:
         return np.arange(count + 1) * dt, y, v, force
 
 
-def load(way: str, integrator: str, step: float) -> tuple[Any, Any]:
-    """The exported model, its callback installed if that is the way."""
-    mujoco.set_mjcb_act_dyn(None)
-    mujoco.set_mjcb_act_bias(None)
-    content = files(Request(LAWS["lugre"], step=step))
-    text = content["lugre_dcmotor.xml" if way == "dcmotor" else "lugre.xml"]
-    model = mujoco.MjModel.from_xml_string(text)
-    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
-    if way == "callback":
-        scope: dict[str, Any] = {}
-        exec(compile(content["lugre_mujoco.py"], "lugre_mujoco.py", "exec"), scope)
-        scope["install"](model)
-    elif way == "C callback":
-        in_c().install()
-    return model, mujoco.MjData(model)
-
-
 @lru_cache(maxsize=1)
 def in_c() -> ctypes.CDLL:
     """The callback of docs/reference/tools.md with the exported C, compiled."""
@@ -109,14 +91,12 @@ def in_c() -> ctypes.CDLL:
 
 def run_in_mujoco(way: str, integrator: str, push: Push, t_end: float, step: float) -> Motion:
     """The same in MuJoCo; the friction is what the body felt."""
-    model, data = load(way, integrator, step)
-    count = round(t_end / step)
-    y, v, u = (np.zeros(count + 1) for _ in range(3))
-    for k in range(count):
-        u[k] = data.qfrc_applied[0] = push(data.time, data.qpos[0])
-        mujoco.mj_step(model, data)
-        y[k + 1], v[k + 1] = data.qpos[0], data.qvel[0]
-    return np.arange(count + 1) * step, y, v, u[:-1] - np.diff(v) / step
+    with tempfile.TemporaryDirectory() as folder:
+        model, data, _ = in_mujoco.load(LAWS["lugre"], Path(folder), step, own=way == "dcmotor")
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    if way == "C callback":
+        in_c().install()
+    return in_mujoco.run(model, data, push, t_end)
 
 
 def references(law: stribeck.Law) -> dict[str, Any]:
@@ -154,30 +134,29 @@ def measure(known: dict[str, dict[str, Any]]) -> Iterator[dict[str, Any]]:
         exported, exact = Exported(name), known[name]
         for step in STEPS:
 
-            def run(push: Push, t_end: float, given: Any = (exported, way, integrator, step)) -> Motion:
+            def moved(push: Push, t_end: float, given: Any = (exported, way, integrator, step)) -> Motion:
                 c, way, integrator, dt = given
                 return run_in_mujoco(way, integrator, push, t_end, dt) if integrator else c.run(way, push, t_end, dt)
 
             started = process_time()
-            t, y, v, force = run(lambda t, y: 2 * (0.1 * t - y), 40.0)
+            t, y, v, force = moved(lambda t, y: 2 * (0.1 * t - y), 40.0)
             seconds, every = process_time() - started, round(4e-3 / step)
             work = float(np.sum(2 * (0.1 * t[:-1] - y[:-1]) * np.diff(y)))
-            top = first_maximum(run(lambda t, y: 5 * t, 0.5)[3])
-            moved = run(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0)[1]
+            top = first_maximum(moved(lambda t, y: 5 * t, 0.5)[3])
+            dithered = moved(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0)[1]
             yield {
                 "law": name, "way": way, "integrator": integrator, "step": step,
                 "stick_slip_max_error": float(np.max(abs(y[::every] - exact["stick_slip"]["y"]))),
-                "energy_lost": lost(y, v, force, work), "drift": float(moved[-1] - moved[round(0.2 / step)]),
+                "energy_lost": lost(y, v, force, work), "drift": float(dithered[-1] - dithered[round(0.2 / step)]),
                 "break_away_error": top - first_maximum(exact["break_away"]["F"]),
-                "drift_error": float(moved[-1] - exact["dither"]["y"][-1]), "microseconds_a_step": 1e6 * seconds * step / 40.0,
+                "drift_error": float(dithered[-1] - exact["dither"]["y"][-1]), "microseconds_a_step": 1e6 * seconds * step / 40.0,
             }  # fmt: skip
     mujoco.set_mjcb_act_dyn(None)
     mujoco.set_mjcb_act_bias(None)
 
 
-def main() -> None:
-    """Measure; write and print the results of all ways, and those of MuJoCo's."""
-    given = options(__doc__, "discretization")
+def benchmark(given: Given) -> dict[str, Any]:
+    """All ways beside Stribeck; those of MuJoCo's also are a table of their own."""
     known = {name: references(law) for name, law in LAWS.items()}
     rows = []
     for row in measure(known):
@@ -189,12 +168,11 @@ def main() -> None:
         "drift": float(own["dither"]["y"][-1]),
     }  # fmt: skip
     about = {"mujoco": metadata.version("mujoco")}
-    in_mujoco = {**about, "reference": reference, "rows": [r for r in rows if r["integrator"]]}
+    finish(given, {**about, "reference": reference, "rows": [r for r in rows if r["integrator"]]}, stem="in_mujoco")
     named = [{**r, "way": f"MuJoCo {r['integrator']}"} if r["way"] == "dcmotor" else r for r in rows]
     without = {**about, "rows": [r for r in named if "callback" not in r["way"]]}
-    finish(given, json.loads(json.dumps(without), parse_constant=lambda word: None))
-    finish(given, in_mujoco, stem="in_mujoco")
+    return json.loads(json.dumps(without), parse_constant=lambda word: None)
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "discretization")

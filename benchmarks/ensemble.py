@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import peers
-from measure import Seconds, finish, keep, kept, options, say, spread, timed, version
+from measure import Given, Seconds, keep, kept, run, say, spread, timed, version
 from problems import Array, stick_slip
 
 import stribeck
@@ -228,25 +228,25 @@ def ratios(slow: Way, fast: Way) -> list[float]:
     return [(s.cpu / slow.lanes) / (f.cpu / fast.lanes) for s, f in zip(slow.times, fast.times, strict=False)]
 
 
-def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:
+def benchmark(given: Given) -> dict[str, Any]:
     """Find the tolerances, and measure."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ["STRIBECK_CACHE"] = folder
-        listed, missing = ways(quick)
+        listed, missing = ways(given.quick)
         say("reference")
         y, about = reference(max(way.lanes for way in listed))
         measured: dict[str, Way] = {}
         for way in listed:
             try:
-                find_tolerance(way, measured, y, quick)
+                find_tolerance(way, measured, y, given.quick)
                 measured[way.name] = way
             except ArithmeticError as reason:
                 missing[way.name] = str(reason)
-        for repetition in range(repetitions):
+        for repetition in range(given.repetitions):
             for way in random.sample(list(measured.values()), len(measured)):
                 if way.last.cpu <= SLOW:
                     way.times.append(timed(way.solve(way.rtol, ATOL_SHARE * way.rtol, way.lanes)))
-            say(f"repetition {repetition + 1} of {repetitions}")
+            say(f"repetition {repetition + 1} of {given.repetitions}")
     return {
         "benchmark": f"ensemble: {LANES} x {SECONDS:g} s of stick-slip, k_v and F_s varied",
         "error_limit": LIMIT,
@@ -258,11 +258,5 @@ def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:
     }
 
 
-def main() -> None:
-    """Run the benchmark, print the table, write the results."""
-    given = options(__doc__, "ensemble", repetitions=(5, 1))
-    finish(given, benchmark(given.repetitions, given.quick))
-
-
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "ensemble", repetitions=(5, 1))

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import static_records as records
-from measure import finish, options, say, write
+from measure import Given, run, say, write
 
 from stribeck.identify.api import read_log
 from stribeck.identify.core.judging import judged
@@ -111,7 +111,7 @@ def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, fl
     y, force, logs = at[0][rows], force[rows], []
     for _ in range(2):
         seen = e * np.round((y + e * draw.uniform(-0.5, 0.5) + 0.3 * e * draw.standard_normal(len(y))) / e)
-        t = np.arange(len(y)) * records.OTHER_STEP
+        t = np.arange(len(y)) * records.STEP
         noise = m["noise"] * draw.standard_normal(len(y))
         logs.append(read_log({"t": t, "y": seen, "F": force + noise}, ColumnNames(NAMES)))
     names = ("mass", "offset", "F_c", "sigma_2", *(("F_s", "v_s") if seed % 2 else ()))
@@ -216,9 +216,8 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
     return {name: round(float(value), 4) for name, value in out.items()}
 
 
-def main() -> None:
-    """Run the families that are asked for; print and write the counts."""
-    given = options(__doc__, "estimates", families=[*FAMILIES, *PAIRS, *MOTIONS], first=70000, count=(20, 1))
+def benchmark(given: Given) -> dict[str, Any]:
+    """Count the families that are asked for."""
     kept = json.loads(given.out.read_text()) if given.out.exists() else {}
     for family in given.families:
         result, began = list[dict[str, Any]](), time.process_time()
@@ -228,14 +227,12 @@ def main() -> None:
                 warnings.simplefilter("ignore")
                 result += of(family, seed)
         counts = counted(family, result) | {"seconds": round(time.process_time() - began, 1)}
-        by_kind = {}
-        for kind in dict.fromkeys(e["kind"] for e in result if "kind" in e):
-            by_kind[kind] = counted(family, [e for e in result if e["kind"] == kind])
-        kept[family] = {"first": given.first, "seeds": given.count, **counts, "kinds": by_kind}
+        kept[family] = {"first": given.first, "seeds": given.count, **counts}
         write(given.out, {**kept, "machine": given.machine})
         say(f"{family}: {counts}")
-    finish(given, kept, "estimates", "agreements", "further_motions", "bounds")
+    return kept
 
 
 if __name__ == "__main__":
-    main()
+    tables, families = ("estimates", "agreements", "further_motions", "bounds"), [*FAMILIES, *PAIRS, *MOTIONS]
+    run(benchmark, __doc__, "estimates", *tables, families=families, first=70000, count=(20, 1))

@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import finish, options, say, spread
+from measure import Given, run, say, spread
 
 _SIZES = {"desk, 1280 x 1000": (1280, 1000, False), "phone, 390 x 844": (390, 844, True)}
 
@@ -58,12 +58,6 @@ look();
 """
 
 
-def busy(driver: Any) -> float:
-    """Processor time of the page's main thread so far, in ms."""
-    metrics = driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
-    return float(1000 * next(each["value"] for each in metrics if each["name"] == "ThreadTime"))
-
-
 def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str, Any]:
     """The times of one window, in ms."""
     from selenium import webdriver
@@ -82,12 +76,9 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
         driver.get(page.as_uri())
         driver.execute_async_script(_SETTLED)
         places = [560 + 20 * (i % 10) for i in range(repetitions)]
-        driver.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
 
         def drag(place: int) -> dict[str, float]:
-            before = busy(driver)
             result: dict[str, float] = driver.execute_async_script(_DRAG, place)
-            result["cpu"] = busy(driver) - before
             driver.execute_async_script(_SETTLED)
             return result
 
@@ -102,11 +93,10 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
         "charts": result[0]["charts"],
         "solved_ms": spread([each["solved"] for each in result]),
         "drawn_ms": spread([each["drawn"] for each in result]),
-        "main_thread_cpu_ms": spread([each["cpu"] for each in result]),
     }
 
 
-def benchmark(repetitions: int) -> dict[str, Any]:
+def benchmark(given: Given) -> dict[str, Any]:
     """Every size of window."""
     from stribeck import Scenario, examples
     from stribeck.explore import explore
@@ -114,15 +104,9 @@ def benchmark(repetitions: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         page = explore(Scenario.load(examples.path("stick_slip")), Path(folder) / "page.html", ())
         say(f"the page: {page.stat().st_size / 1e6:.2f} MB")
-        cases = {name: drags(page, size, repetitions) for name, size in _SIZES.items()}
+        cases = {name: drags(page, size, given.repetitions) for name, size in _SIZES.items()}
     return {"benchmark": "the explorer", "cases": cases}
 
 
-def main() -> None:
-    """Run the benchmark, print the table, write the results."""
-    given = options(__doc__, "explorer", repetitions=(20, 3))
-    finish(given, benchmark(given.repetitions))
-
-
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "explorer", repetitions=(20, 3))

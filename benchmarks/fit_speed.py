@@ -8,8 +8,6 @@ files of constant speed, and one record, short or very long, with a law and with
 from __future__ import annotations
 
 import os
-import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -17,9 +15,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import coverage_records as records
+import dynamic_records as records
 import numpy as np
-from measure import environment, finish, options, say
+from measure import Given, process, run, say
 
 from stribeck import fit
 from stribeck.identify.actuator import Logs, fit_machine
@@ -86,29 +84,15 @@ def saved(path: Path, v: np.ndarray, seed: int) -> str:
     return str(path)
 
 
-def static(folder: Path, files: list[str], law: str) -> Callable[[], object]:
+def static(folder: Path, files: list[str], law: str) -> Callable[[], float]:
     """A whole command: reading, fit, intervals, pictures and page. Gives the most memory that it took, GB."""
     words = ["fit", *files, "--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
     words += ["--law", law] if law else []
-    command = [sys.executable, "-m", "stribeck", *words]
-
-    def run() -> float:
-        peak = 0
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL, env=environment()) as process:
-            while process.poll() is None:
-                high = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text())
-                peak = int(high[1]) if high else peak
-                time.sleep(0.05)
-        if process.returncode:
-            raise subprocess.CalledProcessError(process.returncode, command)
-        return peak * 1024 / 1e9
-
-    return run
+    return lambda: process([sys.executable, "-m", "stribeck", *words]).megabytes / 1e3
 
 
-def main() -> None:
-    """Measure, print, write."""
-    given = options(__doc__, "fit_speed")
+def benchmark(given: Given) -> dict[str, Any]:
+    """Every fit once."""
     seconds, recordings, files, each, counts = QUICK if given.quick else USUAL
     lugre(1.0)()  # compiles
     rows: list[dict[str, Any]] = []
@@ -135,8 +119,8 @@ def main() -> None:
             rows.append({"fit": name, "processor_s": round(spent, 1), "wall_s": round(time.perf_counter() - wall, 1),
                          "memory_gb": round(memory, 2) if isinstance(memory, float) else ""})  # fmt: skip
             say(str(rows[-1]))
-    finish(given, {"fits": rows})
+    return {"fits": rows}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "fit_speed")

@@ -9,18 +9,16 @@ from __future__ import annotations
 import json
 import re
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import RESULTS, finish, first_line, options
-
-sys.path.insert(0, str(Path(__file__).parent.parent))
+from measure import RESULTS, Given, finish, first_line, run
 
 import stribeck
 from stribeck import laws
 from tests.exports.controller.stages import CASES, stage
+from tests.exports.harness import law
 
 # name in the results, in the headers; flags; precision
 TARGETS = {
@@ -70,11 +68,11 @@ void _start(void)
 _LINE = re.compile(r"Trace 0: \S+ \[[0-9a-f]+/([0-9a-f]+)/\S+ (\w+)")
 
 
-def counts(law: Any, flags: str, single: bool) -> list[int]:
+def counts(made: Any, flags: str, single: bool) -> list[int]:
     """Instructions of each call, of a law with its constants."""
     with tempfile.TemporaryDirectory() as folder:
-        stribeck.export(law, "c", folder)
-        return counted(Path(folder), re.sub(r"\W", "_", law.name), _LAW, flags, single)
+        stribeck.export(made, "c", folder)
+        return counted(Path(folder), re.sub(r"\W", "_", made.name), _LAW, flags, single)
 
 
 def controller_counts(case: str, flags: str, single: bool) -> list[int]:
@@ -120,29 +118,11 @@ def traced(folder: Path) -> list[int]:
 
 def forms() -> list[Any]:
     """Every law of the package, in every form of its smooth |v|, with the constants of canudas1995."""
-    values = dict(stribeck.library().sets["canudas1995"].values)
-    own = {
-        "k_v": 1e7,
-        "z_ba": 7e-6,
-        "delta": 2.0,
-        "g1": 0.25,
-        "g2": 100.0,
-        "g3": 10.0,
-        "g4": 0.1,
-        "g5": 100.0,
-        "g6": 0.01,
-    }
     results = []
-    for law in laws.builtin().values():
-        given = {n: x for n, x in {**values, **own}.items() if n in law.constants()}
-        choices = (
-            [{}] if "smooth_abs" not in law.constants() else [{"smooth_abs": w} for w in ("atan", "sqrt", "compact")]
-        )
-        if law.has_z:
-            given.pop("delta", None)  # off: the usual curve
-        if law.name == "stribeck":
-            given.pop("k_v")
-        results += [law({**given, **choice}) for choice in choices]
+    for name, made in laws.builtin().items():
+        words = ("atan", "sqrt", "compact") if "smooth_abs" in made.constants() else ("",)
+        more = {} if made.has_z else {"delta": 2.0}  # off: the usual curve
+        results += [law(name, **more, **({"smooth_abs": word} if word else {})) for word in words]
     return results
 
 
@@ -156,13 +136,11 @@ def rows_of(name: str, cases: dict[str, Any], count: Any) -> list[dict[str, Any]
     return rows
 
 
-def main() -> None:
-    """Print two tables, and write the results, those of laws also where the exporter reads them."""
-    given = options(__doc__, "arm_instructions")
+def benchmark(given: Given) -> dict[str, Any]:
+    """Count both; those of laws also are written where the exporter reads them."""
     compiler, qemu = first_line(["arm-none-eabi-gcc", "--version"]), first_line(["qemu-arm", "--version"])
     about = {"gcc": compiler, "qemu": qemu, "flags": " ".join(FLAGS)}
-    rows = rows_of("law", {" ".join((law.name, *law.form.words)): law for law in forms()}, counts)
-    finish(given, {**about, "rows": rows})
+    rows = rows_of("law", {" ".join((each.name, *each.form.words)): each for each in forms()}, counts)
     controllers = rows_of("controller", {case: case for case in CASES}, controller_counts)
     finish(given, {**about, "rows": controllers}, stem="controller_instructions")
     if given.out == RESULTS / "arm_instructions.json":
@@ -171,7 +149,8 @@ def main() -> None:
             by_law.setdefault(r["law"], {})[r["target"]] = [r["mean"], r["most"]]
         version = re.search(r"\d+\.\d+(\.\d+)?", (compiler or "").rpartition(")")[2])
         PACKAGED.write_text(json.dumps({"gcc": version[0] if version else "", "laws": by_law}, indent=1) + "\n")
+    return {**about, "rows": rows}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "arm_instructions")

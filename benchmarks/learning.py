@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter, process_time
@@ -47,18 +50,19 @@ def drive(kind: str, t: float) -> float:
     return 2.0 * t if kind == "ramp" else 3.0 * np.sin(np.pi * t)
 
 
+@dataclass(frozen=True)
 class Engine:
-    """A world, or many."""
+    """A world, or many.
 
-    graphs = False  # whether its pushes can be captured in a CUDA graph
+    Attributes:
+        push: a step under a load.
+        read: position and velocity of the first world.
+        graphs: whether pushes can be captured in a CUDA graph.
+    """
 
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        raise NotImplementedError
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        raise NotImplementedError
+    push: Callable[[float], object]
+    read: Callable[[], tuple[float, float]]
+    graphs: bool = False
 
     def __call__(self, load: float) -> tuple[float, float]:
         """Position and velocity after a step under the load."""
@@ -66,143 +70,117 @@ class Engine:
         return self.read()
 
 
-class MuJoCo(Engine):
-    """MuJoCo's frictionloss on the CPU."""
-
-    def __init__(self, step: float, loss: float = 1.0) -> None:
-        self.model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=loss, damping=0.4 if loss else 0.0))
-        self.data = mujoco.MjData(self.model)
-
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        self.data.qfrc_applied[0] = load
-        mujoco.mj_step(self.model, self.data)
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.data.qpos[0]), float(self.data.qvel[0])
+def joint_model(step: float, own: bool = False) -> mujoco.MjModel:
+    """The joint for MuJoCo; of our ``own`` friction, its own is 0."""
+    return mujoco.MjModel.from_xml_string(
+        MODEL.format(step=step, loss=0.0 if own else 1.0, damping=0.0 if own else 0.4)
+    )
 
 
-class MuJoCoWarp(Engine):
-    """MuJoCo Warp; loss 0 and a friction of ours by the exported callback."""
+def mujoco_cpu(step: float, worlds: int = 1) -> Engine:
+    """MuJoCo's frictionloss on the CPU, of one world."""
+    model = joint_model(step)
+    data = mujoco.MjData(model)
 
-    graphs = True
+    def push(load: float) -> None:
+        data.qfrc_applied[0] = load
+        mujoco.mj_step(model, data)
 
-    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
-        loss = 0.0 if own else 1.0
-        model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=loss, damping=0.0 if own else 0.4))
-        self.m = mujoco_warp.put_model(model)
-        self.d = mujoco_warp.put_data(model, mujoco.MjData(model), nworld=worlds)
-        if own:
-            self.friction = exported("mjwarp").JointFriction(model, self.m, self.d, ["j"])
-
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        self.d.qfrc_applied.fill_(load)
-        mujoco_warp.step(self.m, self.d)
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.d.qpos.numpy()[0, 0]), float(self.d.qvel.numpy()[0, 0])
+    return Engine(push, lambda: (float(data.qpos[0]), float(data.qvel[0])))
 
 
-class MJX(Engine):
+def mjwarp(own: bool, step: float, worlds: int = 1) -> Engine:
+    """MuJoCo Warp with its frictionloss, or our own friction by the exported callback."""
+    model = joint_model(step, own)
+    m = mujoco_warp.put_model(model)
+    d = mujoco_warp.put_data(model, mujoco.MjData(model), nworld=worlds)
+    if own:
+        exported("mjwarp").JointFriction(model, m, d, ["j"])
+
+    def push(load: float) -> None:
+        d.qfrc_applied.fill_(load)
+        mujoco_warp.step(m, d)
+
+    return Engine(push, lambda: (float(d.qpos.numpy()[0, 0]), float(d.qvel.numpy()[0, 0])), graphs=True)
+
+
+def mjx(step: float, worlds: int = 1) -> Engine:
     """MuJoCo's equations in JAX, compiled."""
+    from mujoco import mjx
 
-    def __init__(self, step: float, worlds: int = 1) -> None:
-        from mujoco import mjx
+    model = mjx.put_model(joint_model(step))
+    data = jax.vmap(lambda _: mjx.make_data(model))(np.arange(worlds))
+    advance = jax.jit(
+        jax.vmap(lambda d, load: mjx.step(model, d.replace(qfrc_applied=load + 0 * d.qfrc_applied)), (0, None))
+    )
 
-        model = mjx.put_model(mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=1.0, damping=0.4)))
-        self.data = jax.vmap(lambda _: mjx.make_data(model))(np.arange(worlds))
-        self.step = jax.jit(
-            jax.vmap(lambda d, load: mjx.step(model, d.replace(qfrc_applied=load + 0 * d.qfrc_applied)), (0, None))
-        )
+    def push(load: float) -> None:
+        nonlocal data
+        data = advance(data, load)
 
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        self.data = self.step(self.data, load)
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.data.qpos[0, 0]), float(self.data.qvel[0, 0])
+    return Engine(push, lambda: (float(data.qpos[0, 0]), float(data.qvel[0, 0])))
 
 
-class Newton(Engine):
-    """Newton with its MuJoCo solver."""
+def newton(own: bool, step: float, worlds: int = 1) -> Engine:
+    """Newton with its MuJoCo solver, and its joint friction or our own."""
+    import newton
 
-    graphs = True
+    world = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
+    link = world.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+    joint = world.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)
+    world.add_articulation([joint])
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
+    builder.replicate(world, worlds)  # else all links are one system of as many coupled joints
+    model = builder.finalize(device=wp.get_device())
+    solver = newton.solvers.SolverMuJoCo(model)
+    state, other, control = model.state(), model.state(), model.control()
+    newton.eval_fk(model, model.joint_q, model.joint_qd, state)
+    friction = exported("newton").JointFriction(model, range(worlds)) if own else None
 
-    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
-        import newton
+    def push(load: float) -> None:
+        nonlocal state, other
+        control.joint_f.fill_(load)
+        if friction:
+            friction.step(state, control, step)
+        solver.step(state, other, control, None, step)
+        state, other = other, state
 
-        world = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
-        link = world.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
-        joint = world.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)
-        world.add_articulation([joint])
-        builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
-        builder.replicate(world, worlds)  # else all links are one system of as many coupled joints
-        model = builder.finalize(device=wp.get_device())
-        self.solver = newton.solvers.SolverMuJoCo(model)
-        self.state, self.other, self.control, self.step = model.state(), model.state(), model.control(), step
-        newton.eval_fk(model, model.joint_q, model.joint_qd, self.state)
-        self.friction = exported("newton").JointFriction(model, range(worlds)) if own else None
-
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        self.control.joint_f.fill_(load)
-        if self.friction:
-            self.friction.step(self.state, self.control, self.step)
-        self.solver.step(self.state, self.other, self.control, None, self.step)
-        self.state, self.other = self.other, self.state
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.state.joint_q.numpy()[0]), float(self.state.joint_qd.numpy()[0])
+    return Engine(push, lambda: (float(state.joint_q.numpy()[0]), float(state.joint_qd.numpy()[0])), graphs=True)
 
 
-class Torch(Engine):
+def by_torch(own: bool, step: float, worlds: int = 1) -> Engine:
     """A joint in PyTorch (double precision): the tanh friction of most hand-written tasks, or the law's step."""
+    law = to_torch(LAW) if own else None
+    q, v, z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
 
-    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
-        self.dt, self.law = step, to_torch(LAW) if own else None
-        self.q, self.v, self.z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
-
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        if self.law:
-            self.z, friction = self.law.step(self.z, self.v, load, 1.0, self.dt)
+    def push(load: float) -> None:
+        nonlocal q, v, z
+        if law:
+            z, friction = law.step(z, v, load, 1.0, step)
         else:
-            friction = torch.tanh(self.v / 0.01) + 0.4 * self.v  # steeper is unstable at 20 ms
-        self.v = self.v + self.dt * (load - friction)
-        self.q = self.q + self.dt * self.v
+            friction = torch.tanh(v / 0.01) + 0.4 * v  # steeper is unstable at 20 ms
+        v = v + step * (load - friction)
+        q = q + step * v
 
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.q[0]), float(self.v[0])
+    return Engine(push, lambda: (float(q[0]), float(v[0])))
 
 
-class Jax(Engine):
+def by_jax(step: float, worlds: int = 1) -> Engine:
     """A joint in JAX (double precision), compiled: the law's step."""
+    law, state = to_jax(LAW), (jax.numpy.zeros(worlds),) * 3
 
-    def __init__(self, step: float, worlds: int = 1) -> None:
-        law = to_jax(LAW)
-        self.state = (jax.numpy.zeros(worlds),) * 3
+    @jax.jit
+    def advance(state: Any, load: float) -> Any:
+        z, v, q = state
+        z, friction = law.step(z, v, load + 0 * v, 1.0 + 0 * v, step + 0 * v)
+        v = v + step * (load - friction)
+        return z, v, q + step * v
 
-        def advance(state: Any, load: float) -> Any:
-            z, v, q = state
-            z, friction = law.step(z, v, load + 0 * v, 1.0 + 0 * v, step + 0 * v)
-            v = v + step * (load - friction)
-            return z, v, q + step * v
+    def push(load: float) -> None:
+        nonlocal state
+        state = advance(state, load)
 
-        self.step = jax.jit(advance)
-
-    def push(self, load: float) -> None:
-        """A step under the load."""
-        self.state = self.step(self.state, load)
-
-    def read(self) -> tuple[float, float]:
-        """Position and velocity of the first world."""
-        return float(self.state[2][0]), float(self.state[1][0])
+    return Engine(push, lambda: (float(state[2][0]), float(state[1][0])))
 
 
 def exported(target: str) -> Any:
@@ -217,16 +195,16 @@ def exported(target: str) -> Any:
     return module
 
 
-ENGINES: dict[str, Any] = {
-    "MuJoCo, frictionloss": lambda step, worlds=1: MuJoCo(step),
-    "MuJoCo Warp, frictionloss": lambda step, worlds=1: MuJoCoWarp(step, False, worlds),
-    "MuJoCo Warp, this law": lambda step, worlds=1: MuJoCoWarp(step, True, worlds),
-    "MJX, frictionloss": lambda step, worlds=1: MJX(step, worlds),
-    "Newton, joint friction": lambda step, worlds=1: Newton(step, False, worlds),
-    "Newton, this law": lambda step, worlds=1: Newton(step, True, worlds),
-    "PyTorch, tanh(v/0.01)": lambda step, worlds=1: Torch(step, False, worlds),
-    "PyTorch, this law": lambda step, worlds=1: Torch(step, True, worlds),
-    "JAX, this law": lambda step, worlds=1: Jax(step, worlds),
+ENGINES: dict[str, Callable[..., Engine]] = {
+    "MuJoCo, frictionloss": mujoco_cpu,
+    "MuJoCo Warp, frictionloss": partial(mjwarp, False),
+    "MuJoCo Warp, this law": partial(mjwarp, True),
+    "MJX, frictionloss": mjx,
+    "Newton, joint friction": partial(newton, False),
+    "Newton, this law": partial(newton, True),
+    "PyTorch, tanh(v/0.01)": partial(by_torch, False),
+    "PyTorch, this law": partial(by_torch, True),
+    "JAX, this law": by_jax,
 }
 
 
@@ -249,47 +227,36 @@ def behavior(make: Any, step: float, seconds: float) -> dict[str, float]:
     return {"creep": creep, "break_away": load, "energy": energy}
 
 
-def speeds(makers: dict[str, Any], count: int, rounds: int = 3) -> dict[str, float]:
-    """Steps of all worlds together in a second of processor time (all threads): medians of rounds in which each has its turn."""
-    rigs = {name: make(2e-3, WORLDS) for name, make in makers.items()}
-    for rig in rigs.values():
-        rig(0.9)
-    outcome: dict[str, list[float]] = {name: [] for name in rigs}
-    for _ in range(rounds):
-        for name, rig in rigs.items():
-            started = process_time()
-            for _ in range(count):
-                rig(0.9)
-            outcome[name].append(WORLDS * count / (process_time() - started))
-    return {name: float(np.median(x)) for name, x in outcome.items()}
+def speeds(makers: dict[str, Callable[..., Engine]], count: int, worlds: int, on_gpu: bool) -> dict[str, float]:
+    """Steps of all worlds together in a second: medians of rounds in which each has its turn.
 
-
-def speeds_on_a_gpu(makers: dict[str, Any], count: int, worlds: int, rounds: int = 5) -> dict[str, float]:
-    """Steps of all worlds together in a second by the clock: medians of rounds in which each has its turn."""
-    pushes: dict[str, tuple[Engine, Any]] = {}
+    Of processor time of all threads; on a GPU by the clock, and captured in a graph where that can be.
+    """
+    clock, rounds = (perf_counter, 5) if on_gpu else (process_time, 3)
+    pushes: dict[str, tuple[Engine, Callable[[], object]]] = {}
     for name, make in makers.items():
         rig = make(2e-3, worlds)
         for _ in range(2):
             rig(0.9)
         pushes[name] = (rig, lambda rig=rig: (rig.push(0.9), rig.push(0.9)))
-        if rig.graphs:
+        if on_gpu and rig.graphs:
             with wp.ScopedCapture() as capture:  # two steps: Newton's states are then where they were
                 pushes[name][1]()
             pushes[name] = (rig, lambda graph=capture.graph: wp.capture_launch(graph))
     outcome: dict[str, list[float]] = {name: [] for name in pushes}
     for _ in range(rounds):
         for name, (rig, push) in pushes.items():
-            started = perf_counter()
+            started = clock()
             for _ in range(count // 2):
                 push()
             position, _ = rig.read()
-            outcome[name].append(worlds * count / (perf_counter() - started))
+            outcome[name].append(worlds * count / (clock() - started))
             assert np.isfinite(position), name
     return {name: float(np.median(x)) for name, x in outcome.items()}
 
 
 def main() -> None:
-    """Print a table, and write the results."""
+    """Behavior and speed on the CPU, or with ``--device cuda`` on a GPU."""
     given = options(__doc__, "learning", seconds=(100.0, 4.0), device="cpu")  # held; cuda
     wp.config.quiet = True
     on_gpu = given.device == "cuda"
@@ -310,10 +277,10 @@ def main() -> None:
     packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
     result = {"versions": {n: metadata.version(n) for n in packages}, "constants": CONSTANTS, "rows": rows}
     if on_gpu:
-        speed = {str(n): speeds_on_a_gpu(many, 100, n) for n in ON_A_GPU}
+        speed = {str(n): speeds(many, 100, n, on_gpu) for n in ON_A_GPU}
         finish(given, {**result, "gpu": torch.cuda.get_device_name(), "steps_a_second": speed}, stem="learning_gpu")
     else:
-        finish(given, {**result, "worlds": WORLDS, "steps_a_processor_second": speeds(many, 20)})
+        finish(given, {**result, "worlds": WORLDS, "steps_a_processor_second": speeds(many, 20, WORLDS, on_gpu)})
 
 
 if __name__ == "__main__":

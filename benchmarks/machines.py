@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from measure import finish, in_turn, options, say, spread, timed
+from measure import Given, in_turn, run, say, spread, timed
 from peers import Solve, Solver, Stribeck, casadi, cvode, error_of, installed, loosest, numbalsoda, odeint, solve_ivp
 from problems import Problem, chain, drive
 
@@ -73,13 +73,12 @@ def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
     return rows
 
 
-def main() -> None:
-    """Measure, print, write."""
-    given = options(__doc__, "machines", repetitions=(15, 2))
+def benchmark(given: Given) -> dict[str, Any]:
+    """The drive and the chains."""
     drive_rows = measured(drive(), FOR_DRIVE, given.repetitions)
     chain_rows = chains((2, 4) if given.repetitions <= 2 else (2, 4, 8, 16), given.repetitions)
-    finish(given, {"two_masses": drive_rows, "chains": chain_rows}, "machines", "chains")
+    return {"two_masses": drive_rows, "chains": chain_rows}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "machines", "machines", "chains", repetitions=(15, 2))

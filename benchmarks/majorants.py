@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from measure import finish, in_turn, options, spread
+from measure import Given, in_turn, run, spread
 
 from stribeck import Scenario, examples, simulate
 
@@ -31,9 +31,8 @@ def under(name: str) -> dict[str, Scenario]:
     }
 
 
-def main() -> None:
-    """Print a table and write the results."""
-    given = options(__doc__, "majorants", repetitions=(9, 1))
+def benchmark(given: Given) -> dict[str, Any]:
+    """Every example under each law."""
     result: dict[str, Any] = {}
     for name in SCENARIOS:
         scenarios = under(name)
@@ -49,8 +48,8 @@ def main() -> None:
             }
             for label in scenarios
         }
-    finish(given, {"steepness": STEEPNESS, "repetitions": given.repetitions, "results": result})
+    return {"steepness": STEEPNESS, "repetitions": given.repetitions, "results": result}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "majorants", repetitions=(9, 1))

@@ -19,11 +19,17 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
-RESULTS = Path(__file__).parent / "results"
-KEPT = Path(__file__).parent / "tolerances.json"  # tolerances whose search takes long
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))  # some simulate what tests and tools do
+RESULTS = ROOT / "benchmarks" / "results"
+KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
+KEPT = ROOT / "benchmarks" / "tolerances.json"  # tolerances whose search takes long
 PACKAGES = (
     "stribeck", "numpy", "scipy", "numba", "numbalsoda", "scikit-sundae", "casadi", "diffrax", "jax", "mujoco",
 )  # fmt: skip
+
+
+Given = argparse.Namespace
 
 
 class Seconds(NamedTuple):
@@ -40,9 +46,27 @@ def timed(call: Callable[[], object]) -> Seconds:
     return Seconds(process_time() - cpu, perf_counter() - wall)
 
 
-def environment(**more: str) -> dict[str, str]:
-    """The environment of a command that is timed: bytecode is kept, as an installed package has it."""
-    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | more
+class Process(NamedTuple):
+    """What a process and its children took: processor time and time on the wall, s, and their peak of memory, MB."""
+
+    cpu: float
+    wall: float
+    megabytes: float
+
+
+def process(command: list[str], **more: str) -> Process:
+    """Run a command; ``more``: of its environment. Bytecode is kept, as an installed package has it."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | more
+    quiet: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    started = perf_counter()
+    with subprocess.Popen(command, env=environment, **quiet) as child:
+        assert child.stderr is not None
+        complaint = child.stderr.read()
+        _, status, usage = os.wait4(child.pid, 0)
+        wall, child.returncode = perf_counter() - started, os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise SystemExit(f"{' '.join(command)}: status {child.returncode}: {complaint.decode(errors='replace')}")
+    return Process(usage.ru_utime + usage.ru_stime, wall, usage.ru_maxrss * KILO / 1e6)
 
 
 def compiled(source: Path, *more: str) -> ctypes.CDLL:
@@ -58,7 +82,7 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def options(about: str | None, name: str, **defaults: Any) -> argparse.Namespace:
+def options(about: str | None, name: str, **defaults: Any) -> Given:
     """The options of a benchmark: --out, --quick, and one for each default; of a pair, --quick takes the second."""
     parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=RESULTS / f"{name}.json", help="file of the results")
@@ -146,11 +170,21 @@ def in_turn(ways: Mapping[str, Callable[[], object]], repetitions: int) -> dict[
     return taken
 
 
-def finish(given: argparse.Namespace, results: dict[str, Any], *tables: str, stem: str = "") -> None:
+def run(
+    measured: Callable[[Given], dict[str, Any]], about: str | None, name: str, *tables: str, **defaults: Any
+) -> dict[str, Any]:
+    """Measure by the options of the command, write the results and print their tables; the results."""
+    given = options(about, name, **defaults)
+    results = measured(given)
+    finish(given, results, *tables)
+    return results
+
+
+def finish(given: Given, results: dict[str, Any], *tables: str, stem: str = "") -> None:
     """Write the results, and print their tables as the pages of docs/evidence show them; ``stem``: of another file."""
     results = {"machine": given.machine, **results}
     write(given.out.with_stem(stem) if stem else given.out, results)
-    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_ext"))
+    sys.path.insert(0, str(ROOT / "docs" / "_ext"))
     from evidence import table
 
     print(*(f"{table(name, results)}\n" for name in tables or (stem or given.name,)), sep="\n")

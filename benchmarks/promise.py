@@ -5,14 +5,13 @@
 Random laws, drives and signals with constants over many decades, from motions far below a law's scales to laws that are far
 from passive, where F is a small difference of large terms. References: promise.c, equations written apart, in extended precision,
 by another method; at two tolerances, and where those differ by a tenth of the promise the set is left out. A set is left out too
-where the reference takes more than 20 000 steps. At last, what keeping the promise costs the examples in processor time.
+where the reference takes more than 20 000 steps.
 """
 
 from __future__ import annotations
 
 import ctypes
 import re
-import statistics
 import sys
 import time
 import warnings
@@ -21,13 +20,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import compiled, finish, options, timed
+from measure import Given, compiled, run
 
 import stribeck
-from stribeck import examples
 from stribeck.laws import builtin
-from stribeck.simulation import native
-from stribeck.simulation import promise as of_promise
 
 LAWS = (
     "lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "elastoplastic", "elastoplastic_sobczyk",
@@ -125,47 +121,10 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
     return ("said" if text else "broken"), errors
 
 
-def cost(repetitions: int) -> dict[str, float]:
-    """Processor time of each example with the promise kept, as a ratio to one pass without it: tolerances of the machine's
-    natural scales throughout, half as large for the growth of errors before break-away, and nothing measured."""
-    begun, whole, share = native.Solving.__init__, of_promise.solve_to_promise, native._STEP_SHARE
-    given = of_promise.given
-
-    def unmeasured(self: native.Solving, *given: Any) -> None:
-        begun(self, *given)
-        self.run.largest = None
-
-    def every(scenario: stribeck.Scenario) -> Any:
-        return np.ones(len(scenario.system.states), bool)
-
-    def one_pass(scenario: stribeck.Scenario, once: Any, *_: Any) -> Any:
-        return once(of_promise.first(scenario), scenario.solve.max_steps)[0]
-
-    ratios = {}
-    for name in examples.names():
-        scenario, seconds = stribeck.Scenario.load(str(examples.path(name)), trust=True), dict[bool, list[float]]()
-        for turn in range(2 * repetitions + 2):
-            kept = turn % 2 == 0
-            native.Solving.__init__ = begun if kept else unmeasured  # type: ignore[method-assign]
-            of_promise.solve_to_promise = whole if kept else one_pass
-            of_promise.given = given if kept else every
-            native._STEP_SHARE = share if kept else 0.5 * share
-            seconds.setdefault(kept, []).append(timed(lambda: stribeck.simulate(scenario)).cpu)  # noqa: B023
-        ratios[name] = min(seconds[True]) / min(seconds[False])
-    native.Solving.__init__, of_promise.solve_to_promise = begun, whole  # type: ignore[method-assign]
-    of_promise.given, native._STEP_SHARE = given, share
-    return ratios
-
-
-def main() -> None:
+def benchmark(given: Given) -> dict[str, Any]:
     """Count."""
-    given = options(__doc__, "promise", count=(600, 20), seed=1, minutes=15.0)
-    library, rng, begun = (
-        compiled(Path(__file__).with_suffix(".c")),
-        np.random.default_rng(given.seed),
-        time.process_time(),
-    )
-    counts: Counter[str] = Counter()
+    library, rng = compiled(Path(__file__).with_suffix(".c")), np.random.default_rng(given.seed)
+    counts, begun = Counter[str](), time.process_time()
     worst: dict[str, float] = dict.fromkeys(PROMISED, 0.0)
     wrong: list[Case] = []
     for i in range(given.count):
@@ -176,16 +135,12 @@ def main() -> None:
         counts[what] += 1
         if what == "kept":
             worst = {name: max(x, errors[name]) for name, x in worst.items()}
-        elif what not in ("no reference", "reference unsure", "kept"):
+        elif what not in ("no reference", "reference unsure"):
             wrong.append({"index": i, "what": what, "errors": errors, **p})
             print(i, what, errors, p, flush=True)
-    ratios = cost(5 if given.quick else 200)
-    mean = statistics.geometric_mean(ratios.values())
-    print(f"cost of the promise: {mean:.3f}")
-    about = {"seed": given.seed, "counts": dict(counts), "worst_kept": worst, "not_kept": wrong}
-    finish(given, {**about, "cost": {**ratios, "geometric mean": mean}})
-    sys.exit(1 if counts["broken"] else 0)
+    return {"seed": given.seed, "counts": dict(counts), "worst_kept": worst, "not_kept": wrong}
 
 
 if __name__ == "__main__":
-    main()
+    results = run(benchmark, __doc__, "promise", count=(600, 20), seed=1, minutes=15.0)
+    sys.exit(1 if "broken" in results["counts"] else 0)

@@ -19,9 +19,9 @@ FAMILIES = {
     "accuracy": ("default_tolerance", "promise"),
     "export": ("instructions", "discretization", "learning"),
     "verdicts": ("verdicts", "design_attack"),
-    "fits": ("estimates", "coverage"),
+    "fits": ("estimates", "intervals"),
 }
-NAMED = {"instructions": "arm_instructions"}  # results of another name than the script's
+NAMED = {"instructions": "arm_instructions", "intervals": "coverage"}  # results of another name than the script's
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import finish, in_turn, options, say, spread
+from measure import Given, in_turn, run, say, spread
 
 from stribeck import Scenario, simulate
 from stribeck.examples import path
@@ -60,13 +60,12 @@ def measured(name: str, scenarios: dict[str, Scenario], repetitions: int) -> lis
     ]  # fmt: skip
 
 
-def main() -> None:
-    """Measure, print, write."""
-    given = options(__doc__, "sampled", repetitions=(31, 3))
+def benchmark(given: Given) -> dict[str, Any]:
+    """Every machine."""
     rows = [row for name, data in files().items() for row in measured(name, ways(data), given.repetitions)]
     rows += measured("servo", servo(), given.repetitions)
-    finish(given, {"wanted": WANTED, "rows": rows})
+    return {"wanted": WANTED, "rows": rows}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "sampled", repetitions=(31, 3))

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from measure import Seconds, finish, keep, kept, options, say, spread, timed
+from measure import Given, Seconds, keep, kept, run, say, spread, timed
 from peers import BASE, Solver, Stribeck, available, error_of, solve_ivp
 from problems import Array, limit_cycle
 
@@ -182,18 +182,18 @@ def entry(choice: Choice, base: Choice) -> dict[str, Any]:
     }
 
 
-def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
+def benchmark(given: Given) -> dict[str, Any]:
     """Find the tolerances, and measure."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ["STRIBECK_CACHE"] = folder
         say("reference")
         y, about = reference()
         solvers, missing = available(PROBLEM)
-        choices, failed = tolerances(solvers, y, rescan)
+        choices, failed = tolerances(solvers, y, given.scan)
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
             raise SystemExit(f"{BASE}: {missing[BASE]}")
-        measure(choices, repetitions)
+        measure(choices, given.repetitions)
     lines = [entry(choice, choices[0]) for choice in choices]
     return {
         "benchmark": "limit cycle, one simulation",
@@ -205,11 +205,5 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
     }
 
 
-def main() -> None:
-    """Run the benchmark, print the table, write the results."""
-    given = options(__doc__, "single", repetitions=(15, 2), scan=False)
-    finish(given, benchmark(given.repetitions, given.scan))
-
-
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "single", repetitions=(15, 2), scan=False)

@@ -7,7 +7,7 @@ altogether; rigs with encoders; rigs of kinds of which no rule of the fit was ma
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -20,13 +20,61 @@ from stribeck.identify.log import Log
 Draw = np.random.Generator
 Columns = dict[str, np.ndarray]
 Constants = dict[str, float]
+STEP, ROWS = 2e-3, 3000
+
+
+def log_uniform(draw: Draw, low: float, high: float, count: int | None = None) -> Any:
+    """Numbers whose logarithms are uniform."""
+    return np.exp(draw.uniform(np.log(low), np.log(high), count))
+
+
+class Sines(NamedTuple):
+    """A motion of several sines: their rates (rad/s), speeds and phases."""
+
+    w: np.ndarray
+    speed: np.ndarray
+    phase: np.ndarray
+
+    def y(self, t: Any) -> Any:
+        """The position at times."""
+        return -np.cos(np.multiply.outer(t, self.w) + self.phase) @ (self.speed / self.w)
+
+    def way(self, t: Any) -> Any:
+        """The position from that at time 0 on."""
+        return (np.cos(self.phase) - np.cos(np.multiply.outer(t, self.w) + self.phase)) @ (self.speed / self.w)
+
+    def v(self, t: Any) -> Any:
+        """The speed at times."""
+        return np.sin(np.multiply.outer(t, self.w) + self.phase) @ self.speed
+
+    def a(self, t: Any) -> Any:
+        """The acceleration at times."""
+        return np.cos(np.multiply.outer(t, self.w) + self.phase) @ (self.speed * self.w)
+
+
+def sines(
+    draw: Draw, rates: tuple[float, float], speeds: tuple[float, float], count: int = 3, slow: float = 1.0
+) -> Sines:
+    """Sines of rates (Hz) and speeds within these; ``slow``: times both."""
+    w = 2 * np.pi * log_uniform(draw, *rates, count) * slow
+    return Sines(w, draw.uniform(*speeds, count) * slow, draw.uniform(0, 6, count))
+
+
+def stribeck_level(m: Constants, v: Any) -> Any:
+    """The level of a Stribeck curve, at a speed."""
+    return m["F_c"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))
+
+
+def smooth_curve(m: Constants, v: Any) -> Any:
+    """The friction at a speed: a Stribeck curve with a smooth sign, and viscous friction."""
+    return stribeck_level(m, v) * np.tanh(v / m["width"]) + m["sigma_2"] * v
+
 
 # -- speeds measured ------------------------------------------------------------------------------------------------
 
 SPEED_FRICTION = ("coulomb", "stribeck", "asymmetric", "temperature", "cogging", "hysteresis")
 BESIDE = 50  # rows beside rest that are not compared, nor fitted by SciPy: 0.1 s
 SPEED_MOTIONS = ("mixed", "one way", "steps", "with rest")
-STEP, ROWS = 2e-3, 3000
 
 
 def speed_motion(draw: Draw, kind: str) -> np.ndarray:
@@ -63,7 +111,7 @@ def speed_record(m: Constants, v: np.ndarray, draw: Draw) -> Columns:
     if m["slow"]:
         for i in range(1, len(v)):
             sign[i] = sign[i - 1] + (sign[i] - sign[i - 1]) * min(STEP / m["slow"], 1.0)
-    level = (m["F_c"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))) * (1 + m["one_side"] * (v > 0))
+    level = stribeck_level(m, v) * (1 + m["one_side"] * (v > 0))
     level *= 1 - m["warms"] * t / t[-1]
     y = np.cumsum(v) * STEP
     force = (
@@ -120,14 +168,10 @@ def lacking(seed: int) -> Made:
     draw = np.random.default_rng(seed)
     what = LACKS[seed // 2 % len(LACKS)] if seed % 2 else "nothing"
     m = speed_machine(draw, ("coulomb", "stribeck")[seed // (2 * len(LACKS)) % 2])
-    size, noise = float(np.exp(draw.uniform(np.log(0.003), np.log(0.3)))), draw.choice([1e-6, 1e-5, 1e-4])
-    t = np.arange(2 * ROWS) * STEP
-    w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.8), 3))
-    speed, phase = draw.uniform(0.2, 1.0, 3), draw.uniform(0, 6, 3)
+    size, noise = float(log_uniform(draw, 0.003, 0.3)), draw.choice([1e-6, 1e-5, 1e-4])
+    t, at = np.arange(2 * ROWS) * STEP, sines(draw, (0.15, 1.8), (0.2, 1.0))
     late = 30 * size * STEP if what == "delay" else 0.0
-    v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
-    y, measured = (-np.cos(np.outer(x, w) + phase) @ (speed / w) for x in (t, t - late))
-    level = m["F_c"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))
+    y, v, a, level = at.y(t), at.v(t), at.a(t), stribeck_level(m, at.v(t))
     beside = {"direction": abs(v), "weight": np.sin(y), "spring": y}.get(what, 0.0 * t)
     level += size * {"position": m["F_c"] * y, "time": level * (2 * t / t[-1] - 1), "forwards": level * (v > 0)}.get(
         what, 0.0 * t
@@ -137,15 +181,10 @@ def lacking(seed: int) -> Made:
     truth |= {"k_v": 1 / m["width"]} | ({"F_s": m["F_c"] + m["dF"], "v_s": m["v_s"]} if m["dF"] else {})
     if what == "forwards":  # friction has two levels then, and an offset of half their difference
         truth = {n: truth[n] for n in ("mass", "sigma_2", "k_v")}
-    measured = measured + noise * draw.standard_normal(len(t))
+    measured = at.y(t - late) + noise * draw.standard_normal(len(t))
     plain = what in ("nothing", "delay", "weight", "spring")
     reported = {"t": t, "y": measured, "F": force + m["force_noise"] * draw.standard_normal(len(t))}
-
-    def friction(u: float) -> float:
-        rise = m["dF"] * np.exp(-((u / m["v_s"]) ** 2))
-        return float((m["F_c"] + rise) * np.tanh(u / m["width"]) + m["sigma_2"] * u)
-
-    return what, reported, truth, friction if plain else None
+    return what, reported, truth, (lambda u: float(smooth_curve(m, u))) if plain else None
 
 
 def bent(seed: int) -> Made:
@@ -169,21 +208,18 @@ def curved(
     """A record of a Stribeck curve of an exponent and, with a ``power`` of the speed, a further term; its truth."""
     draw = np.random.default_rng(seed)
     level = float(np.exp(draw.uniform(-1, 2)))
-    v_s, rises = float(np.exp(draw.uniform(*np.log(stribeck)))), draw.uniform(0.2, 0.8)
+    v_s, rises = float(log_uniform(draw, *stribeck)), draw.uniform(0.2, 0.8)
     viscous = level * draw.uniform(0.05, 0.4)
-    bends = 0.0 if power is None else level * float(np.exp(draw.uniform(np.log(0.05), np.log(0.4))))
+    bends = 0.0 if power is None else level * float(log_uniform(draw, 0.05, 0.4))
     mass, offset, noise = level * draw.uniform(0, 0.3), level * draw.uniform(-0.1, 0.1), draw.choice([1e-3, 5e-3, 2e-2])
-    t = np.arange(2 * ROWS) * STEP
-    w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.8), 1 + seed % 2))
-    speed, phase = draw.uniform(*speeds, len(w)), draw.uniform(0, 6, len(w))
-    v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
-    y = -np.cos(np.outer(t, w) + phase) @ (speed / w) + 1e-7 * draw.standard_normal(len(t))
+    t, at = np.arange(2 * ROWS) * STEP, sines(draw, (0.15, 1.8), speeds, 1 + seed % 2)
+    y, v = at.y(t) + 1e-7 * draw.standard_normal(len(t)), at.v(t)
 
     def curve(u: Any) -> Any:
         further = 0.0 if power is None else bends * u**power
         return level * (1 + rises * np.exp(-((u / v_s) ** exponent))) + viscous * u + further
 
-    force = mass * a + curve(abs(v)) * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
+    force = mass * at.a(t) + curve(abs(v)) * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
     truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises), "v_s": v_s}
     return {"t": t, "y": y, "F": force}, truth, lambda u: float(curve(u))
 
@@ -191,33 +227,31 @@ def curved(
 # -- friction of another kind ----------------------------------------------------------------------------------------
 
 OTHER_MOTIONS = ("sine", "to and fro", "constant speeds", "several sines")
-OTHER_STEP, WITHIN, OTHER_LASTS = 2e-3, 10, 16.0  # s between rows; steps of the friction in one; s of a record
+WITHIN, OTHER_LASTS = 10, 16.0  # steps of the friction in one of the rows; s of a record
 KNOWN_OF_ALL = ("mass", "F_c", "sigma_2")
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]  # position, speed, acceleration
 
 
 def other_machine(draw: Draw, stribeck_too: bool) -> Constants:
     """Constants of a machine that makes 0.1 to 0.5 m/s."""
-    level = float(np.exp(draw.uniform(0, 3)))
-    fastest = float(draw.uniform(0.1, 0.5))
-    return {
+    level, fastest = float(np.exp(draw.uniform(0, 3))), float(draw.uniform(0.1, 0.5))
+    m = {
         "F_c": level, "F_s": level * (1 + draw.uniform(0.15, 0.7) * stribeck_too),
-        "v_s": fastest * float(np.exp(draw.uniform(np.log(0.02), np.log(0.2)))),
+        "v_s": fastest * float(log_uniform(draw, 0.02, 0.2)),
         "sigma_2": level / fastest * draw.uniform(0.1, 0.6), "mass": level * draw.uniform(0.01, 0.15) / fastest,
         "offset": level * draw.uniform(-0.1, 0.1), "fastest": fastest,
         "noise": level * draw.choice([1e-3, 5e-3, 2e-2]), "encoder": draw.choice([1e-7, 1e-6, 5e-6]),
     }  # fmt: skip
+    return m | {"dF": m["F_s"] - m["F_c"]}
 
 
 def other_motion(draw: Draw, kind: str, fastest: float) -> Motion:
     """What is driven, at the steps of the friction."""
-    t = np.arange(round(OTHER_LASTS / OTHER_STEP) * WITHIN) * OTHER_STEP / WITHIN
+    t = np.arange(round(OTHER_LASTS / STEP) * WITHIN) * STEP / WITHIN
     if "sine" in kind:
-        w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.2), 1 if kind == "sine" else 4))
-        share, phase = draw.uniform(0.3, 1, len(w)), draw.uniform(0, 6, len(w))
-        share *= fastest / share.sum()
-        angle = np.outer(t, w) + phase
-        return -np.cos(angle) @ (share / w), np.sin(angle) @ share, np.cos(angle) @ (share * w)
+        at = sines(draw, (0.15, 1.2), (0.3, 1), 1 if kind == "sine" else 4)
+        at = at._replace(speed=at.speed * (fastest / at.speed.sum()))
+        return at.y(t), at.v(t), at.a(t)
     if kind == "to and fro":
         every = draw.uniform(0.4, 1.5)
         levels = fastest * np.array([(-1) ** i for i in range(int(OTHER_LASTS / every) + 2)])
@@ -231,12 +265,7 @@ def other_motion(draw: Draw, kind: str, fastest: float) -> Motion:
     rise = levels[i + 1] - levels[i]
     v = levels[i] + rise * (1 - np.cos(np.pi * part)) / 2
     a = rise * np.pi / (2 * ramp * every) * np.sin(np.pi * part)
-    return np.cumsum(v) * OTHER_STEP / WITHIN, v, a
-
-
-def stribeck_curve(m: Constants, v: np.ndarray) -> np.ndarray:
-    """The level of a Stribeck curve, at a speed."""
-    return np.asarray(m["F_c"] + (m["F_s"] - m["F_c"]) * np.exp(-((v / m["v_s"]) ** 2)))
+    return np.cumsum(v) * STEP / WITHIN, v, a
 
 
 # -- kinds of friction: its force along a motion ---------------------------------------------------------------------
@@ -244,7 +273,7 @@ def stribeck_curve(m: Constants, v: np.ndarray) -> np.ndarray:
 
 def complete(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """The law itself."""
-    return np.asarray(stribeck_curve(m, at[1]) * np.sign(at[1]) + m["sigma_2"] * at[1])
+    return np.asarray(stribeck_level(m, at[1]) * np.sign(at[1]) + m["sigma_2"] * at[1])
 
 
 def root(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
@@ -256,13 +285,11 @@ def root(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
 
 def gms(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """Four Maxwell slips in parallel (Al-Bender, Lampaert, Swevers 2005)."""
-    v, dt = at[1], OTHER_STEP / WITHIN
+    v, dt = at[1], STEP / WITHIN
     share = draw.dirichlet(np.full(4, 3.0))
-    bends = (
-        m["F_s"] * share / (float(np.exp(draw.uniform(np.log(5e-6), np.log(2e-4)))) * np.array([0.25, 0.5, 1.0, 2.0]))
-    )
-    attraction = m["F_c"] * float(np.exp(draw.uniform(np.log(20), np.log(500))))  # N/s
-    s, force, slips, out = stribeck_curve(m, v), np.zeros(4), np.zeros(4, bool), np.empty(len(v))
+    bends = m["F_s"] * share / (float(log_uniform(draw, 5e-6, 2e-4)) * np.array([0.25, 0.5, 1.0, 2.0]))
+    attraction = m["F_c"] * float(log_uniform(draw, 20, 500))  # N/s
+    s, force, slips, out = stribeck_level(m, v), np.zeros(4), np.zeros(4, bool), np.empty(len(v))
     fade = np.exp(-attraction * dt / s)
     sign = np.sign(v)
     for i in range(len(v)):
@@ -281,7 +308,7 @@ def directions(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """Levels, slopes and bends that differ forwards and backwards; the means are the machine's."""
     v, unlike = at[1], draw.uniform(-0.3, 0.3, 2)
     way = np.sign(v)
-    return np.asarray(stribeck_curve(m, v) * (1 + unlike[0] * way) * way + m["sigma_2"] * (1 + unlike[1] * way) * v)
+    return np.asarray(stribeck_level(m, v) * (1 + unlike[0] * way) * way + m["sigma_2"] * (1 + unlike[1] * way) * v)
 
 
 def worm(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
@@ -296,23 +323,22 @@ def belt(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """A level that goes round with a pulley."""
     y, v, _ = at
     round_ = 1 + draw.uniform(0.02, 0.2) * np.sin(2 * np.pi * y / draw.uniform(0.03, 0.12) + draw.uniform(0, 6))
-    return np.asarray(stribeck_curve(m, v) * round_ * np.sign(v) + m["sigma_2"] * v)
+    return np.asarray(stribeck_level(m, v) * round_ * np.sign(v) + m["sigma_2"] * v)
 
 
 def contacts(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """A bearing and a seal: two Stribeck bends with unlike speeds, of unlike heights."""
     v, share = at[1], draw.uniform(0.2, 0.8)
     other = m["v_s"] / draw.uniform(4, 30)
-    rise = m["F_s"] - m["F_c"]
-    level = m["F_c"] + rise * (share * np.exp(-((v / m["v_s"]) ** 2)) + (1 - share) * np.exp(-((v / other) ** 2)))
+    level = m["F_c"] + m["dF"] * (share * np.exp(-((v / m["v_s"]) ** 2)) + (1 - share) * np.exp(-((v / other) ** 2)))
     return np.asarray(level * np.sign(v) + m["sigma_2"] * v)
 
 
 def bristles(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """Bristles that bend by up to a millimeter before they slide (LuGre; without a Stribeck bend, Dahl)."""
-    v, dt = at[1], OTHER_STEP / WITHIN
-    bend = float(np.exp(draw.uniform(np.log(1e-5), np.log(1e-3))))
-    g, z, out = bend * stribeck_curve(m, v) / m["F_c"], 0.0, np.empty(len(v))
+    v, dt = at[1], STEP / WITHIN
+    bend = float(log_uniform(draw, 1e-5, 1e-3))
+    g, z, out = bend * stribeck_level(m, v) / m["F_c"], 0.0, np.empty(len(v))
     fade, aim = np.exp(-abs(v) * dt / g), g * np.sign(v)
     for i in range(len(v)):
         z = aim[i] + (z - aim[i]) * fade[i]
@@ -324,20 +350,19 @@ def bristles(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
 def memory(draw: Draw, m: Constants, at: Motion) -> np.ndarray:
     """The Stribeck curve of a speed that was: frictional memory."""
     v = at[1]
-    late = round(float(np.exp(draw.uniform(np.log(2e-3), np.log(5e-2)))) * WITHIN / OTHER_STEP)
+    late = round(float(log_uniform(draw, 2e-3, 5e-2)) * WITHIN / STEP)
     return np.asarray(
-        stribeck_curve(m, np.concatenate([np.full(late, v[0]), v[:-late]])) * np.sign(v) + m["sigma_2"] * v
+        stribeck_level(m, np.concatenate([np.full(late, v[0]), v[:-late]])) * np.sign(v) + m["sigma_2"] * v
     )
 
 
 def servo(draw: Draw, m: Constants, at: Motion) -> tuple[Motion, np.ndarray]:
     """A body behind a spring and a damper of a servo that follows the motion, and sticks below break-away (Karnopp)."""
     wanted, fast, _ = at
-    dt, stick = OTHER_STEP / WITHIN, 1e-5
+    dt, stick = STEP / WITHIN, 1e-5
     stiff = m["mass"] * (2 * np.pi * draw.uniform(2, 8)) ** 2
     damper = 2 * draw.uniform(0.3, 0.9) * np.sqrt(stiff * m["mass"])
     y, v, out = float(wanted[0]), 0.0, np.empty((len(fast), 4))
-    drop = m["F_s"] - m["F_c"]
     for i in range(len(fast)):
         push = stiff * (wanted[i] - y) + damper * (fast[i] - v)
         load = push - m["offset"]
@@ -345,7 +370,7 @@ def servo(draw: Draw, m: Constants, at: Motion) -> tuple[Motion, np.ndarray]:
             v = a = 0.0
         else:
             way = np.sign(v) if abs(v) >= stick else np.sign(load)
-            a = (load - (m["F_c"] + drop * np.exp(-((v / m["v_s"]) ** 2))) * way - m["sigma_2"] * v) / m["mass"]
+            a = (load - stribeck_level(m, v) * way - m["sigma_2"] * v) / m["mass"]
             after = v + a * dt
             v = 0.0 if after * v < 0 and abs(v) >= stick else after
         y += v * dt
@@ -386,7 +411,7 @@ def other_record(kind: str, seed: int) -> tuple[Columns, Constants, str]:
     y = np.round((y + 0.3 * scale * draw.standard_normal(len(y))) / scale) * scale
     force = force + m["noise"] * draw.standard_normal(len(force))
     truth = {n: m[n] for n in (*KNOWN_OF_ALL, *further) if m["F_s"] > m["F_c"] or n not in ("F_s", "v_s")}
-    return {"t": np.arange(len(y)) * OTHER_STEP, "y": y, "F": force}, truth, moves
+    return {"t": np.arange(len(y)) * STEP, "y": y, "F": force}, truth, moves
 
 
 # -- rigs with encoders -----------------------------------------------------------------------------------------------
@@ -400,7 +425,7 @@ def rig(draw: Draw, kind: str) -> Constants:
     """Constants of a rig whose friction is some 1; a servo's encoder has 4096 steps a turn."""
     level = float(np.exp(draw.uniform(-1, 3)))
     return {
-        "level": level, "dF": level * draw.uniform(0, 0.6), "v_s": draw.uniform(0.02, 0.3), "width": draw.uniform(2e-3, 0.05),
+        "F_c": level, "dF": level * draw.uniform(0, 0.6), "v_s": draw.uniform(0.02, 0.3), "width": draw.uniform(2e-3, 0.05),
         "sigma_2": level * draw.uniform(0, 1), "mass": level * draw.uniform(0.01, 0.2), "offset": level * draw.uniform(-0.1, 0.1),
         "weight": level * draw.uniform(2, 8) * (kind == "servo"), "grows": draw.uniform(0, 0.15) * (kind == "servo"),
         "lash": draw.uniform(0.005, 0.03) * (kind == "backlash"), "cogs": level * draw.uniform(0.1, 0.8) * (kind == "cogging"),
@@ -414,11 +439,10 @@ def rig_record(m: Constants, kind: str, draw: Draw) -> Columns:
     """Three sines, from 0.1 to 1.5 Hz, and what is measured of them."""
     h = 1 / RIG_RATE.get(kind, 500.0)
     t = np.arange(0, RIG_SECONDS, h)
-    w = 2 * np.pi * np.exp(draw.uniform(np.log(0.1), np.log(1.5), 3))
-    speed, phase = draw.uniform(0.1, 1.0, 3), draw.uniform(0, 6, 3)
-    v = np.sin(np.outer(t, w) + phase) @ speed
+    at = sines(draw, (0.1, 1.5), (0.1, 1.0))
+    v = at.v(t)
     if kind == "one way":
-        v += speed.sum() * 1.05
+        v += at.speed.sum() * 1.05
     if kind == "held":
         moves = np.convolve((t % 5 > 2).astype(float), np.hanning(101) / np.hanning(101).sum(), "same")
         v = np.where(moves > 1e-9, v * moves, 0.0)
@@ -428,8 +452,8 @@ def rig_record(m: Constants, kind: str, draw: Draw) -> Columns:
         for i in range(1, len(y)):
             sign[i] = np.clip(sign[i - 1] + (y[i] - y[i - 1]) / m["lash"], -1, 1)
     carried = m["mass"] * a + m["weight"] * np.sin(y)
-    curve = m["level"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2)) + m["grows"] * abs(carried)
-    force = carried + curve * sign + m["sigma_2"] * v + m["offset"] + m["cogs"] * np.sin(m["teeth"] * y)
+    level = stribeck_level(m, v) + m["grows"] * abs(carried)
+    force = carried + level * sign + m["sigma_2"] * v + m["offset"] + m["cogs"] * np.sin(m["teeth"] * y)
     force = np.where(v == 0, m["held"] * np.sin(2.1 * t), force) if m["held"] else force
     return {"t": t, "y": m["step"] * np.round(y / m["step"]), "F": force + m["noise"] * draw.standard_normal(len(t))}
 
@@ -469,14 +493,12 @@ UNSEEN_STEP, UNSEEN_SECONDS = (
 )  # s; the others 2 ms and 15 s
 SLOW = 0.05  # times the rates and the speeds of the others
 
-Of = Callable[[np.ndarray], np.ndarray]
-
 
 def unseen_rig(draw: Draw, kind: str) -> Constants:
     """Constants of a rig whose friction is some ``level``; each kind uses those that it has."""
     level = float(np.exp(draw.uniform(-1, 3)))
     return {
-        "level": level, "dF": level * draw.uniform(0, 0.6), "v_s": draw.uniform(0.02, 0.3), "width": draw.uniform(2e-3, 0.02),
+        "F_c": level, "dF": level * draw.uniform(0, 0.6), "v_s": draw.uniform(0.02, 0.3), "width": draw.uniform(2e-3, 0.02),
         "sigma_2": level * draw.uniform(0, 1), "mass": level * draw.uniform(0.01, 0.2), "offset": level * draw.uniform(-0.1, 0.1),
         "noise": level * draw.choice([0.01, 0.05]), "step": draw.uniform(1e-6, 2e-5), "share": draw.uniform(0.3, 0.8),
         "gap": draw.uniform(0.005, 0.03), "shaft": level * draw.uniform(20, 200), "spring": level * draw.uniform(0.5, 2),
@@ -486,26 +508,10 @@ def unseen_rig(draw: Draw, kind: str) -> Constants:
     }  # fmt: skip
 
 
-def three_sines(draw: Draw, slow: float) -> tuple[Of, Of, Of]:
-    """Position, speed and acceleration at times: three sines."""
-    w, speed = 2 * np.pi * np.exp(draw.uniform(np.log(0.1), np.log(1.5), 3)) * slow, draw.uniform(0.1, 1.0, 3) * slow
-    phase = draw.uniform(0, 6, 3)
-    return (
-        lambda t: (np.cos(phase) - np.cos(np.multiply.outer(t, w) + phase)) @ (speed / w),
-        lambda t: np.sin(np.multiply.outer(t, w) + phase) @ speed,
-        lambda t: np.cos(np.multiply.outer(t, w) + phase) @ (speed * w),
-    )
-
-
-def rig_curve(m: Constants, v: np.ndarray) -> np.ndarray:
-    """The friction at a speed."""
-    return (m["level"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))) * np.tanh(v / m["width"]) + m["sigma_2"] * v
-
-
-def behind(m: Constants, kind: str, t: np.ndarray, position: Of, speed: Of) -> np.ndarray:
+def behind(m: Constants, kind: str, t: np.ndarray, at: Sines) -> np.ndarray:
     """The force of a load behind a gap, stiff where it is closed, or behind a shaft."""
     mass, gap = m["mass"] * m["share"], m["gap"] if kind == "gap" else 0.0
-    stiff = 400 * m["level"] if gap else m["shaft"]
+    stiff = 400 * m["F_c"] if gap else m["shaft"]
     damping = 2 * m["share"] * np.sqrt(stiff * mass) * (1.0 if gap else 0.3)
 
     def shaft(way: float, rate: float) -> float:
@@ -513,12 +519,12 @@ def behind(m: Constants, kind: str, t: np.ndarray, position: Of, speed: Of) -> n
         return float(stiff * closed + (damping * rate if closed or not gap else 0.0))
 
     def rates(s: float, x: np.ndarray) -> list[float]:
-        pull = shaft(float(position(s)) - x[0], float(speed(s)) - x[1])
-        return [x[1], (pull - m["share"] * float(rig_curve(m, x[1]))) / mass]
+        pull = shaft(float(at.way(s)) - x[0], float(at.v(s)) - x[1])
+        return [x[1], (pull - m["share"] * float(smooth_curve(m, x[1]))) / mass]
 
-    begin = [0.0, float(speed(t[0]))]
+    begin = [0.0, float(at.v(t[0]))]
     solution = solve_ivp(rates, (0, t[-1]), begin, "LSODA", t_eval=t, max_step=5e-3, rtol=1e-6, atol=1e-9).y
-    return np.array([shaft(a, b) for a, b in zip(position(t) - solution[0], speed(t) - solution[1], strict=True)])
+    return np.array([shaft(a, b) for a, b in zip(at.way(t) - solution[0], at.v(t) - solution[1], strict=True)])
 
 
 def yielding(m: Constants, y: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -533,19 +539,15 @@ def yielding(m: Constants, y: np.ndarray, v: np.ndarray) -> np.ndarray:
 def unseen_record(m: Constants, kind: str, draw: Draw) -> Columns:
     """What is measured of a motion."""
     t = np.arange(0, UNSEEN_SECONDS.get(kind, 15.0), UNSEEN_STEP.get(kind, 2e-3))
-    position, speed, rate = three_sines(draw, SLOW if kind == "slow" else 1.0)
-    y, v, a = position(t), speed(t), rate(t)
-    force = m["mass"] * a + rig_curve(m, v)
+    at = sines(draw, (0.1, 1.5), (0.1, 1.0), slow=SLOW if kind == "slow" else 1.0)
+    y, v, inertia = at.way(t), at.v(t), m["mass"] * at.a(t)
+    force = inertia + smooth_curve(m, v)
     if kind in ("gap", "shaft"):
-        force = (1 - m["share"]) * force + behind(m, kind, t, position, speed)
+        force = (1 - m["share"]) * force + behind(m, kind, t, at)
     if kind == "dahl":
-        force = (
-            m["mass"] * a
-            + (m["level"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))) * yielding(m, y, v)
-            + m["sigma_2"] * v
-        )
+        force = inertia + stribeck_level(m, v) * yielding(m, y, v) + m["sigma_2"] * v
     if kind == "warms":
-        force -= m["warms"] * (1 - np.exp(-(t + draw.uniform(0, 20)) / 8.0)) * rig_curve(m, v)
+        force -= m["warms"] * (1 - np.exp(-(t + draw.uniform(0, 20)) / 8.0)) * smooth_curve(m, v)
     if kind == "weight and spring":
         force += m["weight"] * np.sin(y + 0.4)
     if kind in ("spring", "weight and spring"):

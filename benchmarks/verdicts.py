@@ -18,14 +18,11 @@ import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import mpmath
-from measure import finish, options, say
+from measure import Given, run, say
 from scipy.integrate import solve_ivp
-
-sys.path.insert(0, str(Path(__file__).parent.parent))
 
 import stribeck
 from stribeck.properties.verdicts import refusals
@@ -33,7 +30,6 @@ from tests.properties.nasty import PROPERTIES, cases
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
-NATURAL = "natural laws"
 DIGITS = 60
 FAILED = "the equations cannot be treated"  # how check says that it failed itself
 
@@ -110,19 +106,11 @@ def replayed(law: Any, evidence: Any) -> str | None:
 
 
 def nasty(every: int) -> Iterator[Row]:
-    """A row for each kind of nasty law, and one for the natural ones among all."""
-    natural = Row(NATURAL)
+    """A row for each kind of nasty law."""
     rows: dict[str, Row] = {}
     for case in list(cases())[::every]:
-        row = rows.setdefault(case.kind, Row(case.kind))
-        before = (row.verdicts, row.undecided)
-        row.judge(f"{case.kind}.{case.name}", case.law(), case.truth)
-        if case.natural:
-            natural.laws += 1
-            natural.verdicts += row.verdicts - before[0]
-            natural.undecided += row.undecided - before[1]
+        rows.setdefault(case.kind, Row(case.kind)).judge(f"{case.kind}.{case.name}", case.law(), case.truth)
     yield from rows.values()
-    yield natural
 
 
 # -- built-in laws: the exact conditions ------------------------------------------------------------------------------
@@ -269,24 +257,20 @@ def builtin(kind: str, given: Any) -> Iterator[Row]:
         yield row
 
 
-def main() -> int:
-    """Write and print the counts; the exit status is 1 where a verdict is wrong or a check crashed."""
-    given = options(__doc__, "verdicts", sets=(20, 1), seed=0)
-    rows = {row.name: row for row in nasty(20 if given.quick else 1)}
-    rows |= {row.name: row for kind in SETS for row in builtin(kind, given)}
-    every = [row for name, row in rows.items() if name != NATURAL]
+def benchmark(given: Given) -> dict[str, Any]:
+    """Counts over all laws, and the lines."""
+    every = [*nasty(20 if given.quick else 1), *(row for kind in SETS for row in builtin(kind, given))]
     wrong, crashes = ([x for row in every for x in getattr(row, n)] for n in ("wrong", "crashes"))
     counts = {
         **{n: sum(getattr(row, n) for row in every) for n in ("laws", "verdicts", "undecided")},
         "wrong": len(wrong), "crashes": len(crashes), "cpu_seconds": sum(row.seconds for row in every),
         "slowest_law_cpu_seconds": max(row.slowest for row in every),
     }  # fmt: skip
+    print(*wrong, *(f"CRASH {x}" for x in crashes), sep="\n")
     about = {"seed": given.seed, "sets": given.sets, "all": counts}
-    finish(given, {**about, "rows": {name: asdict(row) for name, row in rows.items()}})
-    bad = [*wrong, *(f"CRASH {x}" for x in crashes)]
-    print(*bad, sep="\n")
-    return 1 if bad else 0
+    return {**about, "rows": {row.name: asdict(row) for row in every}}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    results = run(benchmark, __doc__, "verdicts", sets=(20, 1), seed=0)
+    sys.exit(1 if results["all"]["wrong"] or results["all"]["crashes"] else 0)

@@ -1,7 +1,7 @@
 """Nasty user laws, each with the truth of the five properties derived by hand in its docstring.
 
 A law states ``truth``, one word for each property: ``passive`` it holds, ``-passive`` it does not, ``?passive`` not
-derived (any verdict will do). ``natural = True`` marks laws of the literature. ``values`` are changes to MILD below.
+derived (any verdict will do). ``values`` are changes to MILD below.
 
 The properties are those of docs/explanation/check.md: Z is ``z_bound`` (F_s/sigma_0 unless the law says otherwise), ``passive``
 restricts z to it where ``bounded`` holds and not at all where it does not; ``smooth`` is about dz/dt and F both;
@@ -45,7 +45,6 @@ class Case:
     kind: str
     name: str
     truth: dict[str, bool | None]
-    natural: bool
 
     def law(self) -> Any:
         """The law as a user gets it."""
@@ -61,8 +60,8 @@ def cases() -> Iterator[Case]:
         if file.name == "__init__.py":
             continue
         for node in ast.parse(file.read_text()).body:
-            if stated := _stated(node):
-                yield Case(file.stem, node.name, parsed(stated["truth"]), stated.get("natural", False))
+            if truth := _truth(node):
+                yield Case(file.stem, node.name, parsed(truth))
 
 
 def parsed(truth: str) -> dict[str, bool | None]:
@@ -73,13 +72,12 @@ def parsed(truth: str) -> dict[str, bool | None]:
     return result
 
 
-def _stated(node: ast.stmt) -> dict[str, Any]:
-    """What a class says of itself, or a decorator of base.py of the law that it makes; {} where there is no ``truth``."""
-    result: dict[str | None, ast.expr] = {}
+def _truth(node: ast.stmt) -> str | None:
+    """The ``truth`` that a class states, or a decorator of base.py of the law that it makes."""
     match node:
         case ast.ClassDef():
-            lines = [n for n in node.body if isinstance(n, ast.Assign)]
-            result = {n.targets[0].id: n.value for n in lines if isinstance(n.targets[0], ast.Name)}
+            lines = [n for n in node.body if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)]
+            return next((ast.literal_eval(n.value) for n in lines if n.targets[0].id == "truth"), None)
         case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id="added" | "rate" | "friction")) as call]):
-            result = {"truth": call.args[0], **{word.arg: word.value for word in call.keywords}}
-    return {n: ast.literal_eval(result[n]) for n in ("truth", "natural") if "truth" in result and n in result}
+            return ast.literal_eval(call.args[0])
+    return None

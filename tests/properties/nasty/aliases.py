@@ -12,19 +12,19 @@ def AbsAsRootPlusRoundedZero(p, v, z):
     return v - sqrt(v**2 + ((v + 1) - v - 1)) / g(p, v) * z
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def SignTimesV(p, v, z):
     """v (1 - sgn(v) z/g): LuGre: B0, B1."""
     return v * (1 - sign(v) * z / g(p, v))
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def OverOneDenominator(p, v, z):
     """(g v - |v| z)/g: LuGre: B0, B1."""
     return (g(p, v) * v - abs(v) * z) / g(p, v)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def ByCases(p, v, z):
     """v - v z/g for v >= 0, v + v z/g else: LuGre: B0, B1."""
     return where(v >= 0, v - v * z / g(p, v), v + v * z / g(p, v))

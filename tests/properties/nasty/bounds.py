@@ -13,7 +13,7 @@ def HalfTheDecay(p, v, z):
     return v - abs(v) / (2 * g(p, v)) * z
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True, values_changed={"F_s": 1.0})
+@rate("unique bounded -smooth passive -drift_free", values_changed={"F_s": 1.0})
 def ConstantDeflection(p, v, z):
     """F_s = F_c: g = Z for every v, f = 0 at Z exactly: bounded. D = v^2 (200 - 100 r) + g_N |v| r^2, r <= 1:
     passive. B0."""

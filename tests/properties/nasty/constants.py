@@ -15,7 +15,6 @@ class TinyDampingOnly(BristleLaw):
     v^2 + 1.5 v, v > 3e12 m/s) draws without limit: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
-    natural = True
     values_changed = {"sigma_1": 1e-12, "sigma_2": 0.0}
     dz_dt = staticmethod(lugre)
 
@@ -24,7 +23,6 @@ class JustBelowLuGresCondition(BristleLaw):
     """sigma_2 = 49.9999995 against sigma_1 (F_s - F_c)/F_c = 50: Barabanov & Ortega: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
-    natural = True
     values_changed = {"sigma_2": 49.9999995}
     dz_dt = staticmethod(lugre)
 
@@ -33,7 +31,6 @@ class AtLuGresCondition(BristleLaw):
     """sigma_2 = 50 = sigma_1 (F_s - F_c)/F_c, exactly: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     values_changed = {"sigma_2": 50.0}
     dz_dt = staticmethod(lugre)
 
@@ -77,7 +74,6 @@ class Piezo(BristleLaw):
     """Liu's piezo stage: sigma_1 (F_s - F_c) = 3000 <= sigma_2 F_c = 65000: LuGre's condition: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     values_changed = {"sigma_0": 1.67e6, "sigma_1": 6e3, "sigma_2": 2.6e4, "F_c": 2.5, "F_s": 3.0, "v_s": 1.6e-8}
     dz_dt = staticmethod(lugre)
 
@@ -87,7 +83,6 @@ class Valve(BristleLaw):
     B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
-    natural = True
     values_changed = {
         "sigma_0": 1.038e9,
         "sigma_1": 2.442e5,
@@ -104,7 +99,6 @@ class FallingDamping(BristleLaw):
     0. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     values_changed = {"sigma_2": 0.0, "v_d": 1e-3}
     dz_dt = staticmethod(lugre)
 
@@ -114,7 +108,6 @@ class OwnConstants(BristleLaw):
     G = Z."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     uses = ()
     relations = ()
     v_d = None

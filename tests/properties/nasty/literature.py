@@ -12,7 +12,7 @@ def limited(p, v, z, steady):
     return v - abs(v) / steady * z
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def Dahl1(p, v, z):
     """Dahl, exponent 1: f = v - |v| z/Z with F_s: Lipschitz, 0 or inward at Z. D = v^2 (200 - 100 r) + F_s |v|
     r^2 >= 0 with r = z sgn v/Z <= 1: passive. |v|: not smooth; f != v for z != 0."""
@@ -25,7 +25,6 @@ class Dahl2(BristleLaw):
     phi >= 1 for z v < 0: passive. df/dv differs at v = 0 by the sign of z: not smooth."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     v_d = None
 
     @staticmethod
@@ -44,7 +43,6 @@ class DahlHalf(BristleLaw):
     <= 1 for z v > 0, >= 1 else."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     v_d = None
 
     @staticmethod
@@ -57,7 +55,7 @@ class DahlHalf(BristleLaw):
         return p.sigma_0 * z
 
 
-@rate("unique bounded -smooth passive -drift_free", Springy, natural=True)
+@rate("unique bounded -smooth passive -drift_free", Springy)
 def BoucWen1(p, v, z):
     """Bouc-Wen, A = 1, n = 1, u = z/Z: f = v - 0.6 |v| u - 0.4 v |u|. Lipschitz. At Z: 0 for v > 0, 1.2 v for v <
     0: bounded. For z > 0 f/v is 1 - u for v > 0, 1 + 0.2 u for v < 0, so with F = sigma_0 z + sigma_2 v: D =
@@ -66,7 +64,7 @@ def BoucWen1(p, v, z):
     return v - 0.6 * abs(v) * u - 0.4 * v * abs(u)
 
 
-@rate("unique bounded -smooth passive -drift_free", Springy, natural=True)
+@rate("unique bounded -smooth passive -drift_free", Springy)
 def BoucWen2(p, v, z):
     """Bouc-Wen, n = 2: f = v - 0.5 |v| |u| u - 0.5 v u^2: v (1 - u^2) for v z > 0, v else. C1 in z, inward where
     large: unique; at Z 0 or inward: bounded. D as BoucWen1 with 1 - f/v = u^2 or 0: passive. df/dv jumps at v =
@@ -75,7 +73,7 @@ def BoucWen2(p, v, z):
     return v - 0.5 * abs(v) * abs(u) * u - 0.5 * v * abs(u) ** 2
 
 
-@rate("unique bounded -smooth passive -drift_free", Springy, natural=True)
+@rate("unique bounded -smooth passive -drift_free", Springy)
 def BoucWenOneAndAHalf(p, v, z):
     """Bouc-Wen, n = 1.5, beta = 0.75, gamma = 0.25 (which add up to 1 in floats, as 0.7 and 0.3 do not): f/v = 1 -
     u^1.5 for v z > 0, 1 + 0.5 |u|^1.5 else. C1 in z;
@@ -84,7 +82,7 @@ def BoucWenOneAndAHalf(p, v, z):
     return v - 0.75 * abs(v) * abs(u) ** 0.5 * u - 0.25 * v * abs(u) ** 1.5
 
 
-@rate("unique bounded -smooth passive -drift_free", Springy, natural=True)
+@rate("unique bounded -smooth passive -drift_free", Springy)
 def BoucWenHalf(p, v, z):
     """Bouc-Wen, n = 1/2, beta = 0.75, gamma = 0.25: f/v is 1 - |u|^.5 for v z > 0, 1 + 0.5 |u|^.5 else; f does not
     increase with z for either sign of v: unique, though not Lipschitz at z = 0. Bounded and passive as
@@ -93,7 +91,7 @@ def BoucWenHalf(p, v, z):
     return v - 0.75 * abs(v) * sign(u) * abs(u) ** 0.5 - 0.25 * v * abs(u) ** 0.5
 
 
-@rate("unique bounded -smooth passive -drift_free", Springy, natural=True)
+@rate("unique bounded -smooth passive -drift_free", Springy)
 def BoucWenSoft(p, v, z):
     """Bouc-Wen, n = 1, beta = 0.2, gamma = 0.8: for z > 0 f/v is 1 - u (v > 0), 1 - 0.6 u (v < 0). Lipschitz;
     inward at Z. W is no storage, but S' = sigma_0 z/(1 - 0.6 |u|) is: D/v = sigma_2 v + sigma_0 z (1 - (f/v)/(1 -
@@ -111,26 +109,26 @@ def BoucWenGainsEnergy(p, v, z):
     return v + 0.1 * abs(v) * u - 0.6 * v * abs(u)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def HessSoom(p, v, z):
     """g = (F_c + (F_s - F_c)/(1 + (v/v_s)^2))/sigma_0 is within [1e-5, Z]: B0, and B1 as it stands: passive."""
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) / (1 + (v / p.v_s) ** 2)) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def Tustin(p, v, z):
     """g with exp(-|v|/v_s), within [1e-5, Z]: B0, B1: passive."""
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) * exp(-abs(v) / p.v_s)) / p.sigma_0)
 
 
-@rate("unique bounded -smooth -passive -drift_free", natural=True, values_changed={"sigma_2": 49.0})
+@rate("unique bounded -smooth -passive -drift_free", values_changed={"sigma_2": 49.0})
 def TustinTooSteep(p, v, z):
     """Tustin's g with sigma_2 = 49: 50 of 100 (1 - r) + 49 at r = 1.5 leaves -1: a pulse at large v from Z draws
     without limit (f = -0.5 v, F v -> -v^2): not passive. B0."""
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) * exp(-abs(v) / p.v_s)) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def GeneralisedHalf(p, v, z):
     """g with exp(-|v/v_s|^0.5), within [1e-5, Z]: B0, B1: passive."""
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) * exp(-(abs(v / p.v_s) ** 0.5))) / p.sigma_0)
@@ -140,7 +138,6 @@ class GeneralisedDelta(BristleLaw):
     """g with exp(-|v/v_s|^delta), delta a constant of 0.8: within [1e-5, Z]: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     delta = Constant("", "exponent", above=0, default=0.8)
 
     @staticmethod
@@ -148,26 +145,26 @@ class GeneralisedDelta(BristleLaw):
         return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) * exp(-(abs(v / p.v_s) ** p.delta))) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def LorentzianPower(p, v, z):
     """g = (F_c + (F_s - F_c)/(1 + |v/v_s|^1.4))/sigma_0, within [1e-5, Z]: B0, B1: passive."""
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) / (1 + abs(v / p.v_s) ** 1.4)) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def SechStribeck(p, v, z):
     """g = (F_c + (F_s - F_c)/cosh(v/v_s))/sigma_0, cosh by exp, within [1e-5, Z]: B0, B1: passive."""
     cosh = (exp(v / p.v_s) + exp(-v / p.v_s)) / 2
     return limited(p, v, z, (p.F_c + (p.F_s - p.F_c) / cosh) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True)
+@rate("unique bounded -smooth passive -drift_free")
 def TanhStribeck(p, v, z):
     """g = (F_s - (F_s - F_c) tanh(|v|/v_s))/sigma_0, within [1e-5, Z]: B0, B1: passive."""
     return limited(p, v, z, (p.F_s - (p.F_s - p.F_c) * tanh(abs(v) / p.v_s)) / p.sigma_0)
 
 
-@rate("unique bounded -smooth passive -drift_free", symmetric=False, natural=True)
+@rate("unique bounded -smooth passive -drift_free", symmetric=False)
 def Asymmetric(p, v, z):
     """Another Coulomb friction backwards: g in [1e-5, Z] for v > 0 and [0.8e-5, Z] for v <= 0; |v|/g is
     continuous. Inward at Z. r <= 1.875 backwards: 100 (1 - r) + 100 >= 12.5: D > 0: passive. B0 else."""
@@ -175,77 +172,77 @@ def Asymmetric(p, v, z):
     return limited(p, v, z, (F_c + (p.F_s - F_c) * exp(-((v / p.v_s) ** 2))) / p.sigma_0)
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def HardeningSpring(p, v, z, dz_dt):
     """F = sigma_0 z (1 + u^2) + sigma_1 f + sigma_2 v, u = z/Z: h = sigma_0 z u^2, z h >= 0: B4, passive. B0."""
     return p.sigma_0 * z * (1 + (z * p.sigma_0 / p.F_s) ** 2) + p.sigma_1 * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def SofteningSpring(p, v, z, dz_dt):
     """F = sigma_0 z (1 - u^2/2) + ...: sigma_0 z + h has the sign of z within Z: B4, passive. B0."""
     return p.sigma_0 * z * (1 - (z * p.sigma_0 / p.F_s) ** 2 / 2) + p.sigma_1 * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth -passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth -passive -drift_free", WithForce)
 def CollapsingSpring(p, v, z, dz_dt):
     """F = sigma_0 z (1 - 1.5 u^2) + ...: negative for u > 0.82: B4, not passive. B0."""
     return p.sigma_0 * z * (1 - 1.5 * (z * p.sigma_0 / p.F_s) ** 2) + p.sigma_1 * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def DampingByDeflection(p, v, z, dz_dt):
     """sigma_1 (1 + u^2/2): D = v^2 (sigma_1 (1 + u^2/2)(1 - r) + 100) + g_N |v| r^2, the bracket least at u = 1,
     r = 1.5: 150 * -0.5 + 100 = 25 > 0: passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * (1 + 0.5 * (z * p.sigma_0 / p.F_s) ** 2) * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth -passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth -passive -drift_free", WithForce)
 def StrongDampingByDeflection(p, v, z, dz_dt):
     """sigma_1 (1 + 2 u^2): the bracket at u = 1, r = 1.5 is -150 + 100 < 0: a pulse at large v from near Z draws
     without limit: not passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * (1 + 2 * (z * p.sigma_0 / p.F_s) ** 2) * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True, values_changed={"sigma_2": 0.0})
+@friction("unique bounded -smooth passive -drift_free", WithForce, values_changed={"sigma_2": 0.0})
 def DampingOverOnePlusV(p, v, z, dz_dt):
     """sigma_1/(1 + (v/v_s)^2), sigma_2 = 0, sigma_1 = 100: D/|v| = |v| s (1 - r) + g_N r^2 with |v| s <= 100
     v_s/2 = 0.05: >= 0.05 (1 - r) + r^2 > 0 for r > 1, and for r <= 1 no term is negative: passive. B0."""
     return p.sigma_0 * z + p.sigma_1 / (1 + (v / p.v_s) ** 2) * dz_dt + p.sigma_2 * v
 
 
-@friction("unique bounded -smooth -passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth -passive -drift_free", WithForce)
 def ShearThinning(p, v, z, dz_dt):
     """Viscous friction sigma_2 v/(1 + |v|): at large v 100 (1 - 1.5) + 0 < 0: a pulse from near Z draws without
     limit: not passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v / (1 + abs(v))
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def QuadraticDrag(p, v, z, dz_dt):
     """h = 5 v |v|: h v >= 0: B1, passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 5 * v * abs(v)
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def EyringViscosity(p, v, z, dz_dt):
     """h = 2 asinh(v/v_0) by log, odd and rising: h v >= 0: B1, passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 2 * log(v / 0.01 + sqrt((v / 0.01) ** 2 + 1))
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def SinhViscosity(p, v, z, dz_dt):
     """h = exp(v) - exp(-v): h v >= 0: B1, passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + exp(v) - exp(-v)
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def PowerLawViscosity(p, v, z, dz_dt):
     """h = 3 sgn v |v|^0.6: h v >= 0: B1, passive. B0."""
     return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 3 * sign(v) * abs(v) ** 0.6
 
 
-@rate("unique bounded -smooth passive -drift_free", natural=True, values_changed={"sigma_1": 50.0})
+@rate("unique bounded -smooth passive -drift_free", values_changed={"sigma_1": 50.0})
 def LeuvenLike(p, v, z):
     """f = v (1 - sgn(v z) (z/g)^2), sigma_1 = 50: r |r| up to 2.25: D/v^2 >= 50 (1 - 2.25) + 100 > 0, W's part
     sigma_0 |z| |v| r^2 >= 0: passive. C1 in z, inward where large: unique; (Z/g)^2 >= 1: bounded. df/dv jumps at
@@ -253,14 +250,14 @@ def LeuvenLike(p, v, z):
     return v * (1 - sign(v) * sign(z) * abs(z / g(p, v)) ** 2)
 
 
-@rate("unique bounded -smooth -passive -drift_free", natural=True)
+@rate("unique bounded -smooth -passive -drift_free")
 def LeuvenLikeTooDamped(p, v, z):
     """LeuvenLike with sigma_1 = 100: 100 (1 - 2.25) + 100 = -25: a pulse at large v from near Z draws without
     limit: not passive."""
     return v - abs(v) * z * abs(z) / g(p, v) ** 2
 
 
-@rate("unique -bounded smooth passive -drift_free", natural=True)
+@rate("unique -bounded smooth passive -drift_free")
 def MaxwellElement(p, v, z):
     """f = v - z/1 s: z -> v at held v: not bounded. Linear: unique, smooth. D = 200 v^2 - 100 z v + 1e5 z^2, 1e4
     < 4 * 200 * 1e5: passive for every z."""
@@ -271,7 +268,6 @@ class Spring(BristleLaw):
     """f = v: unique, smooth, drift_free; z = y: not bounded. D = 200 v^2: passive."""
 
     truth = "unique -bounded smooth passive drift_free"
-    natural = True
 
     @staticmethod
     def z_elastic(p):
@@ -288,7 +284,6 @@ class StopOperator(BristleLaw):
     jumps at Z. D = 200 v^2, or at Z, f = 0, F v > 0: passive. drift_free."""
 
     truth = "unique bounded -smooth passive drift_free"
-    natural = True
 
     @staticmethod
     def z_elastic(p):
@@ -305,7 +300,6 @@ class SteppedElastoplastic(BristleLaw):
     bounded; D is linear in a, 200 v^2 at a = 0 and B1 at a = 1: passive; f = v for |z| <= z_b. Kinks."""
 
     truth = "unique bounded -smooth passive drift_free"
-    natural = True
 
     @staticmethod
     def z_elastic(p):
@@ -322,7 +316,6 @@ class CosineElastoplastic(BristleLaw):
     drift_free alike; |v|."""
 
     truth = "unique bounded -smooth passive drift_free"
-    natural = True
 
     @staticmethod
     def z_elastic(p):
@@ -335,7 +328,7 @@ class CosineElastoplastic(BristleLaw):
         return v - (1 - cos(pi * s)) / 2 * abs(v) / g(p, v) * z
 
 
-@rate("unique -bounded smooth passive -drift_free", natural=True, values_changed={"sigma_1": 0.0})
+@rate("unique -bounded smooth passive -drift_free", values_changed={"sigma_1": 0.0})
 def TanhLuGre(p, v, z):
     """|v| replaced by v tanh(1e6 v) < |v|: held v takes z to g/tanh, past Z and without limit as v -> 0: not
     bounded. sigma_1 = 0: D = 100 v^2 + v tanh sigma_0 z^2/g >= 0 for every z: passive. Analytic: smooth,
@@ -343,33 +336,33 @@ def TanhLuGre(p, v, z):
     return v - v * tanh(1e6 * v) / g(p, v) * z
 
 
-@rate("unique -bounded smooth -passive -drift_free", natural=True)
+@rate("unique -bounded smooth -passive -drift_free")
 def TanhLuGreDamped(p, v, z):
     """TanhLuGre with sigma_1 = 100: not bounded, so z is unrestricted: B2, not passive."""
     return v - v * tanh(1e6 * v) / g(p, v) * z
 
 
-@rate("unique bounded smooth passive -drift_free", natural=True)
+@rate("unique bounded smooth passive -drift_free")
 def SoftPlusMajorant(p, v, z):
     """m = log(2 cosh(k v))/k >= |v|, m - |v| <= m(0) = 6.9e-7, sigma_1 m(0) <= F_s: smooth, bounded, passive by
     theory.md's proof, which uses only these; leaks."""
     return v - log(exp(1e6 * v) + exp(-1e6 * v)) / 1e6 / g(p, v) * z
 
 
-@rate("unique bounded smooth passive -drift_free", natural=True)
+@rate("unique bounded smooth passive -drift_free")
 def RootMajorant(p, v, z):
     """m = sqrt(v^2 + 1e-12): theory.md's sqrt majorant, k_v = 1e6: smooth, bounded, passive, leaks."""
     return v - sqrt(v**2 + 1e-12) / g(p, v) * z
 
 
-@rate("unique -bounded smooth -passive -drift_free", natural=True)
+@rate("unique -bounded smooth -passive -drift_free")
 def RootMinorant(p, v, z):
     """m = sqrt(v^2 + 1e-12) - 1e-6 < |v|: held z tends to g v/m, without limit as v -> 0: not bounded; B2 (m/|v|
     -> 1): not passive. Smooth."""
     return v - (sqrt(v**2 + 1e-12) - 1e-6) / g(p, v) * z
 
 
-@rate("unique bounded smooth passive -drift_free", natural=True)
+@rate("unique bounded smooth passive -drift_free")
 def AtanSignWithSquare(p, v, z):
     """m = |v| (2/pi) atan(1e6 |v|) + 1e-6: x (1 - (2/pi) atan x) = (2/pi) x atan(1/x) <= 2/pi < 1: m >= |v|, m -
     |v| <= 1e-6 = m(0): as RootMajorant. v atan(k v) = |v| atan(k |v|) is analytic: smooth."""
@@ -377,14 +370,14 @@ def AtanSignWithSquare(p, v, z):
     return v - m / g(p, v) * z
 
 
-@rate("unique -bounded -smooth -passive -drift_free", natural=True)
+@rate("unique -bounded -smooth -passive -drift_free")
 def DeadZone(p, v, z):
     """Karnopp-like: f = v for |v| <= 1e-6, LuGre's beyond: held there z has no limit: not bounded; B2: not
     passive. Lipschitz in z. f jumps."""
     return v - where(abs(v) <= 1e-6, 0.0, abs(v)) / g(p, v) * z
 
 
-@friction("unique bounded -smooth passive -drift_free", WithForce, natural=True)
+@friction("unique bounded -smooth passive -drift_free", WithForce)
 def TwoSlopes(p, v, z, dz_dt):
     """A spring that stiffens (Iwan's backbone): h = sigma_0 (z - clip(z, -Z/2, Z/2)), z h >= 0: B4, passive.
     B0."""
@@ -396,7 +389,6 @@ class LiesAboutEverything(BristleLaw):
     """LuGre as it is: B0, B1, with claims that are all wrong."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     claims = Claims(unique=False, bounded=False, smooth=True, passive=False, drift_free=True)
 
     @staticmethod

@@ -44,7 +44,6 @@ class OptionalTerm(BristleLaw):
     """A constant that is off: h = -k v^3 only with k: LuGre: B0, B1."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     v_d = None
     k = Constant("N s^3/m^3", "a term that is off", above=0, optional=True)
     dz_dt = staticmethod(lugre)
@@ -60,7 +59,6 @@ class ChosenTerm(BristleLaw):
     leaks."""
 
     truth = "unique bounded smooth passive -drift_free"
-    natural = True
     kind = Constant("", "which |v|", choices=("smooth", "exact"))
 
     @staticmethod
@@ -74,7 +72,6 @@ class SoftSign(BristleLaw):
     passive."""
 
     truth = "unique bounded smooth passive -drift_free"
-    natural = True
     v_d = None
 
     @staticmethod
@@ -91,7 +88,6 @@ class WallOutside(BristleLaw):
     Singular at 1.1 Z; |v|. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    natural = True
     v_d = None
     dz_dt = staticmethod(lugre)
 

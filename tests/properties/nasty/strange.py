@@ -26,7 +26,6 @@ class DieterichRuina(_Strange):
     unique. F = v/(|v| + 1e-6) (1 + 0.1 log(1 + z^2)) + sigma_2 v: F v >= 0: passive. |v|; f = 1 at z = 0."""
 
     truth = "unique -bounded -smooth passive -drift_free"
-    natural = True
 
     @staticmethod
     def dz_dt(p, v, z):
@@ -37,7 +36,7 @@ class DieterichRuina(_Strange):
         return v / (abs(v) + 1e-6) * (1 + 0.1 * log(1 + z * z)) + p.sigma_2 * v
 
 
-@friction("unique -bounded -smooth -passive -drift_free", DieterichRuina, natural=False)
+@friction("unique -bounded -smooth -passive -drift_free", DieterichRuina)
 def DieterichRuinaAged(p, v, z, dz_dt):
     """With 1 - 0.1 log(1 + z^2), < 0 for z > 150 s, which a rest of 200 s gives: F < 0 then at v = 1e-9 m/s (share 1e-3,
     sigma_2 v = 1e-7), while z goes from 200 to 150 at most as fast as 1 - 1e-4 * 200 ...: it rises: held at 1e-9, z -> D/v =
@@ -45,7 +44,7 @@ def DieterichRuinaAged(p, v, z, dz_dt):
     return v / (abs(v) + 1e-6) * (1 - 0.1 * log(1 + z * z)) + p.sigma_2 * v
 
 
-@rate("unique bounded -smooth passive -drift_free", _Strange, natural=True)
+@rate("unique bounded -smooth passive -drift_free", _Strange)
 def SineSaturation(p, v, z):
     """f = v - |v| sin(pi u/2), u = z/Z: f = 0 or inward at |z| = Z, Lipschitz: unique, bounded (from outside Z z may run on,
     but it starts within). f v >= 0: D = 100 f v + 100 v^2 + sigma_0 z |v| sin >= 0 within Z: passive. |v|."""

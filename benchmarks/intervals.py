@@ -1,6 +1,6 @@
 """Do intervals (95 %) and model ranges of fits by simulation hold the truth? Counts on records with known truth.
 
-    python benchmarks/coverage.py [--cases "machine slide"] [--count 2] [--first 500] [--workers 2]
+    python benchmarks/intervals.py [--cases "machine slide"] [--count 2] [--first 500] [--workers 2]
 
 ``--cases`` takes the first words of their names: ``presliding``, ``body``, ``arm``, ``machine``, ``machine slide``. Each
 experiment draws its constants, its motion and its noise from its seed. A case that is counted again replaces its counts in
@@ -17,9 +17,9 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from typing import Any
 
-import coverage_records as records
+import dynamic_records as records
 import numpy as np
-from measure import finish, options, say, write
+from measure import Given, run, say, write
 
 import stribeck
 from stribeck.identify.actuator import Logs, fit_machine
@@ -153,9 +153,8 @@ def counted(found: list[dict[str, Any]]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def main() -> None:
+def benchmark(given: Given) -> dict[str, Any]:
     """Count the cases that are asked for."""
-    given = options(__doc__, "coverage", cases="", count=(2, 1), first=500, workers=2)
     kept = json.loads(given.out.read_text(encoding="utf-8")) if given.out.is_file() else {"cases": {}}
     chosen = [name for name in CASES if name.startswith(given.cases)]
     with ProcessPoolExecutor(given.workers) as pool:
@@ -164,8 +163,8 @@ def main() -> None:
             kept["cases"][name] = counted(result)
             say(f"{name}: {kept['cases'][name]}")
             write(given.out, {**kept, "machine": given.machine})
-    finish(given, {"cases": kept["cases"]})
+    return {"cases": kept["cases"]}
 
 
 if __name__ == "__main__":
-    main()
+    run(benchmark, __doc__, "coverage", cases="", count=(2, 1), first=500, workers=2)

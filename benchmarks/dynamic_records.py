@@ -1,6 +1,7 @@
 """Recordings with known truth for counts on fits by simulation: one body, arms, and machines, with sensors of every kind.
 
-But for the presliding rig, which moves as it is told, motions are SciPy's, of equations written here.
+But for the presliding rig, which moves as it is told, motions are SciPy's, of equations written here or in
+tests/reference/apart.py.
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+import stribeck
 from stribeck.identify.plan import Test, motion
 from stribeck.identify.synthetic import Experiment, Sensors, experiment
 from stribeck.laws import find
+from tests.reference.apart import solve
 
 Draw = np.random.Generator
 Constants = dict[str, float]
 Sampled = tuple[np.ndarray, np.ndarray, np.ndarray]  # times, what was read, what drove
+Record = Callable[[Draw, Constants, float, "Term"], Sampled]
 TWO_OVER_PI = 2 / math.pi
 
 
@@ -246,33 +250,6 @@ def geared(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     return t, moved(rates, t, 4)[0], u
 
 
-def sliding(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
-    """A slide with LuGre friction under a force."""
-    t = 0.005 * np.arange(401)
-    names = ("mass", "F_c", "sigma_2", "F_s", "v_s", "sigma_0", "sigma_1")
-    p, u = dict(zip(names, truth.values(), strict=True)), 1.5 * size * waves(draw, t, 0.5, 2.5)
-
-    def rates(s: float, x: np.ndarray) -> list[float]:
-        dw, friction = lugre(p, x[1], x[2], majorant(x[1], 1e4))
-        return [x[1], (float(np.interp(s, t, u)) - friction) / p["mass"], dw]
-
-    return t, moved(rates, t, 3)[0], u
-
-
-def fast(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
-    """A slide that passes through its Stribeck curve in some milliseconds."""
-    t = 0.005 * np.arange(401)
-    mass, F_c, sigma_2, F_s, v_s = truth.values()
-    u = 3.0 * size * waves(draw, t, 0.5, 2.5)
-
-    def rates(s: float, x: np.ndarray) -> list[float]:
-        v = x[1]
-        level = F_c + (F_s - F_c) * math.exp(-min((v / v_s) ** 2, 700.0))
-        return [v, (float(np.interp(s, t, u)) - level * TWO_OVER_PI * math.atan(1e3 * v) - sigma_2 * v) / mass]
-
-    return t, moved(rates, t, 2)[0], u
-
-
 def upright(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     """An arm on its head: a controller sets the voltage, a sample late and straight from sample to sample."""
     step, rows = 0.004, [np.array([0.05, 0.0, 0.0])]
@@ -344,32 +321,29 @@ def belt(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     return t, x[0], current(t, x[0], x[1]) + 0.02 * draw.standard_normal(len(t))
 
 
+def played(name: str, truth: Constants, size: float, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """The position of the joint's body in a machine's file under a push that is straight between samples."""
+    case, signal = CASES[name], {"kind": "points", "t": t.tolist(), "value": u.tolist()}
+    changes = {**truth, **case.known(size), "loads.push.signal": signal, "output.step": t[1], "solve.t_end": t[-1]}
+    return np.asarray(solve(stribeck.Scenario(case.machine).with_changes(changes).data, 1e-11)["arm.y"])
+
+
+def waved(name: str, force: float) -> Record:
+    """Recordings of a machine under three sines of force."""
+
+    def record(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+        t = 0.005 * np.arange(401)
+        u = force * size * waves(draw, t, 0.5, 2.5)
+        return t, played(name, truth, size, t, u), u
+
+    return record
+
+
 def joint(draw: Draw, truth: Constants, size: float, term: Term, seconds: float = 2.0) -> Sampled:
     """A rotor and an arm with play between them; the friction on the rotor grows with the gear's torque."""
     t = 0.005 * np.arange(round(seconds / 0.005) + 1)
     u = 3.0 * np.sin(2 * np.pi * (0.8 * t + 3 / seconds * t**2)) * np.cos(2 * np.pi * draw.uniform(0.1, 0.3) * t)
-    return t, moved(lambda s, x: joint_rates(s, x, truth, size, t, u), t, 5)[0], u
-
-
-def joint_rates(s: float, x: np.ndarray, truth: Constants, size: float, t: np.ndarray, u: np.ndarray) -> list[float]:
-    """The joint's equations; ``size`` is the load that the arm carries."""
-    y, v, q, speed, w = x
-    elastic = truth["links.gear.stiffness"] * (y - q - min(max(y - q, -PLAY / 2), PLAY / 2))
-    damping = truth.get("links.gear.damping", 0.1) * (v - speed)
-    gear = elastic + min(max(damping, -abs(elastic)), abs(elastic))
-    F_c = truth[f"{LAW}F_c"] + truth["contacts.joint.loads.0.F_c"] * abs(gear)
-    p = {"sigma_0": 400.0, "sigma_1": 1.0, "sigma_2": truth[f"{LAW}sigma_2"], "F_c": F_c}
-    p |= {"F_s": truth.get(f"{LAW}F_s", 1.0), "v_s": truth.get(f"{LAW}v_s", 0.3)}
-    dw, friction = lugre(p, v, w, majorant(v, 1e3))
-    push = float(np.interp(s, t, u))
-    arm = 0.04 + 0.04 * size
-    return [
-        v,
-        (push - gear - friction) / truth["bodies.arm.inertia"],
-        speed,
-        (gear - 2.0 * size * math.sin(q)) / arm,
-        dw,
-    ]
+    return t, played("joint", truth, size, t, u), u
 
 
 @dataclass(frozen=True)
@@ -378,7 +352,7 @@ class Case:
 
     machine: dict[str, Any]
     usual: Constants
-    record: Callable[[Draw, Constants, float, Term], Sampled]
+    record: Record
     drive: str
     noise: float
     recordings: int = 2
@@ -427,12 +401,12 @@ CASES = {
                 {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
         {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.7, f"{LAW}v_s": 0.02,
          f"{LAW}sigma_0": 2e4, f"{LAW}sigma_1": 60.0},
-        sliding, "loads.push.signal", 2e-5,
+        waved("slide", 1.5), "loads.push.signal", 2e-5,
     ),
     "fast": Case(
         machine(law("stribeck", 1e3, sigma_2=3.5, F_c=0.9, F_s=1.4, v_s=0.02), {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
         {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.6, f"{LAW}v_s": 0.008},
-        fast, "loads.push.signal", 3e-4,
+        waved("fast", 3.0), "loads.push.signal", 3e-4,
     ),
     "upright": Case(
         machine(law("coulomb_viscous", 200.0, F_c=0.3, sigma_2=0.1), {"arm": {"inertia": 0.1, "initial": {"y": 0.05, "v": 0.0}}},
