@@ -21,21 +21,19 @@ from stribeck.identify.features.filtering import typical_roughness
 from stribeck.waveforms import Signal
 
 _ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
-_PILOT, _DRAWS = 4, 24  # draws that decide whether the noise matters; draws that give a deviation to 15 %
-_LITTLE = 0.02  # of the residual sum of squares: a smaller contribution does not matter
+_DRAWS = 24  # they give a deviation to 15 %
 _MOST = 0.49  # largest relative change: the extrapolation is singular at one half
 
 
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
-    """The changes of the residuals by each relevant source of errors, (draws, residuals); ``J``: the Jacobian."""
-    r = problem.residuals(u[None])[0]
-    draws: list[Array | None] = [*_fitted_again(problem, u, J)]
-    pilot = _by_noise(problem, u, _PILOT)
-    if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
-        noise = _by_noise(problem, u, _DRAWS)
-        if noise is not None and np.isfinite(noise).all():
-            draws.append(noise * _possible(noise, r, J))
-    return [x for x in draws if x is not None and np.isfinite(x).all()]
+    """The changes of the residuals by each source of errors, (draws, residuals); ``J``: the Jacobian.
+
+    A small part of the residual may move the estimates more than all its noise, which is averaged over the samples.
+    """
+    draws, noise = [*_fitted_again(problem, u, J)], _by_noise(problem, u)
+    if noise is not None and np.isfinite(noise).all():
+        draws.append(noise * _possible(noise, problem.residuals(u[None])[0], J))
+    return [x for x in draws if np.isfinite(x).all()]
 
 
 def _possible(changes: Array, r: Array, J: Array) -> float:
@@ -97,7 +95,7 @@ def _newton(problem: MachineProblem, u: Array) -> Array:
     return left_step(problem, u, r[0], J[0])
 
 
-def _by_noise(problem: MachineProblem, u: Array, draws: int) -> Array | None:
+def _by_noise(problem: MachineProblem, u: Array) -> Array | None:
     """Changes of the residuals by each recorded input's noise, given or estimated from sample to sample without steps."""
     sizes = []
     for run in problem.runs:
@@ -106,13 +104,13 @@ def _by_noise(problem: MachineProblem, u: Array, draws: int) -> Array | None:
     if not any(sizes):
         return None
     rng, signals = np.random.default_rng(0), [defaultdict[str, list[Signal]](list) for _ in problem.runs]
-    for _ in range(draws):
+    for _ in range(_DRAWS):
         for run, size, noisy in zip(problem.runs, sizes, signals, strict=True):
             for p, s in size.items():
                 drive = run.inputs[p]
                 noisy[p].append(replace(drive, x=drive.x + s * rng.standard_normal(len(drive.x))).signal())
-    points, r = np.repeat(u[None], draws, axis=0), problem.plain(u[None])[0]
-    off = np.zeros((draws, len(r)))
+    points, r = np.repeat(u[None], _DRAWS, axis=0), problem.plain(u[None])[0]
+    off = np.zeros((_DRAWS, len(r)))
     columns = [x for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, points, signals=signals[k])]
     for (_, target, rows), x in zip(problem.pieces, columns, strict=True):
         off[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
