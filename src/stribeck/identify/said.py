@@ -44,7 +44,6 @@ UNCERTAINTIES = (
 )
 _SPEED_UNITS = {unit("N"): unit("m/s") for unit in (str, rotary_unit)}  # of a speed, by that of the friction there
 _OTHERS = 3  # models in the headline
-_PLACES = 3  # of a share
 
 # -- parts of both kinds of fits -----------------------------------------------------------------------------------------
 
@@ -53,7 +52,7 @@ def _row(name: str, e: Estimate, speed: float | None) -> list[Cell]:
     """A row of the table of estimates; a level of friction is named with its speed."""
     label = name if speed is None else f"{name} ({human(speed, _SPEED_UNITS[e.unit])})"
     estimate = Uncertain(e.value, e.interval, not e.identifiable)
-    interval, model_range = (Ends(ends, e.value, e.interval) for ends in (e.interval, e.range))
+    interval, model_range = (Ends(ends, e.value) for ends in (e.interval, e.range))
     return [label, estimate, interval, model_range, e.unit or "1", str(e.state)]
 
 
@@ -175,7 +174,7 @@ def _candidates(fit: LogFit) -> list[Chapter]:
         [
             c["name"],
             "; ".join(map(in_words, c["forms"])) or "-",
-            Share(c["relative_force_error"], _PLACES),
+            Share(c["relative_force_error"]),
             c["numbers"],
         ]
         for c in fit.candidates
@@ -331,10 +330,10 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
 def of_validation(comparison: Validated) -> Document:
     """A machine's motion beside a record."""
     rows: list[list[Cell]] = [
-        [name, Amount(e["rms"], e["unit"]), Amount(e["largest"], e["unit"]), Share(e["relative"], _PLACES)]
+        [name, Amount(e["rms"], e["unit"]), Amount(e["largest"], e["unit"]), Share(e["relative"])]
         for name, e in comparison.errors.items()
     ]
-    off = [f"{name} by {percent(e['relative'], _PLACES)} of its changes" for name, e in comparison.errors.items()]
+    off = [f"{name} by {percent(e['relative'])} of its changes" for name, e in comparison.errors.items()]
     return Document(
         comparison.title,
         f"off: {'; '.join(off)}",

@@ -34,9 +34,9 @@ def human(x: float, unit: str, count: int = 3) -> str:
 def significant(x: float, count: int) -> str:
     """A number with so many digits, zeros at the end too: ``4.10`` for 4.0997. One that is exact is short: ``4.1``."""
     short = f"{x:.{count}g}"
-    if not math.isfinite(x) or math.isclose(float(short), x, rel_tol=_EXACT):
-        return short
-    return f"{x:#.{count}g}".replace(".e", "e").removesuffix(".")
+    if math.isfinite(x) and not math.isclose(float(short), x, rel_tol=_EXACT):
+        short = f"{x:#.{count}g}".replace(".e", "e").removesuffix(".")
+    return f"{float(short):.7g}" if "e+" in short else short  # 4460 rather than 4.46e+03
 
 
 def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...]:
@@ -58,31 +58,34 @@ def rounded_up(x: float) -> str:
     return f"{math.ceil(x / unit * (1 - 1e-12)) * unit:.4g}"  # 1e-12: the rounding of x / unit itself
 
 
-def percent(share: float | None, places: int | None = None) -> str:
-    """A share as a percentage with three digits, or with so many places."""
-    if share is None or not math.isfinite(share):
-        return "-"
-    if places is not None:
-        return f"{100 * share:.{places}f} %"
-    text = significant(100 * share, 3)
-    return f"{float(text):.7g} %" if "e+" in text else f"{text} %"  # 4460 rather than 4.46e+03
+def percent(share: float | None) -> str:
+    """A share as a percentage with three digits."""
+    return "-" if share is None or not math.isfinite(share) else f"{significant(100 * share, 3)} %"
 
 
-def in_places(x: float, value: float, interval: tuple[float, float]) -> str:
-    """A number with so many places as an interval about ``value`` tells: two digits of its half width."""
-    half = min((abs(value - end) for end in interval if math.isfinite(end) and end != value), default=0.0)
-    if not math.isfinite(x) or not half:
+def _in_places(x: float, size: float) -> str:
+    """A number with the places that two digits of ``size`` have."""
+    if not math.isfinite(x) or not size:
         return f"{x:.4g}"
-    places = 1 - math.floor(math.log10(half))
+    places = 1 - math.floor(math.log10(size))
     text = f"{round(x, places):.7g}"
     return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
 
 
+def _half(value: float, interval: tuple[float, ...]) -> float:
+    """The half width of an interval about a value, on its shorter side; 0 where it has none."""
+    return min((abs(value - end) for end in interval if math.isfinite(end) and end != value), default=0.0)
+
+
 def _interval(cell: Ends) -> str:
-    """An interval: of one that is open at an end the bound that is left."""
+    """An interval: of one that is open at an end the bound that is left.
+
+    An end has the places of its own distance from the value: ends of 0.0003 and 323 about 0.0006 have not as many.
+    """
     if cell.ends is None:
         return "-"
-    low, high = (None if math.isinf(x) else in_places(x, cell.value, cell.interval) for x in cell.ends)
+    sizes = (min(abs(x) or math.inf, _half(cell.value, (x,)) or _half(cell.value, cell.ends)) for x in cell.ends)
+    low, high = (None if math.isinf(x) else _in_places(x, size) for x, size in zip(cell.ends, sizes, strict=True))
     if low is None or high is None:
         return f"> {low}" if low is not None else f"< {high}" if high is not None else "open"
     return f"{low} ... {high}"
@@ -97,9 +100,9 @@ def _raw(cell: Cell, count: int) -> str:
     if isinstance(cell, Amount):
         return "-" if cell.value is None or math.isnan(cell.value) else human(cell.value, cell.unit, cell.digits)
     if isinstance(cell, Share):
-        return percent(cell.value, cell.places)
+        return percent(cell.value)
     if isinstance(cell, Uncertain):
-        return f"{'~' if cell.doubtful else ''}{in_places(cell.value, cell.value, cell.interval)}"
+        return f"{'~' if cell.doubtful else ''}{_in_places(cell.value, _half(cell.value, cell.interval))}"
     if isinstance(cell, Ends):
         return _interval(cell)
     if isinstance(cell, str | int):

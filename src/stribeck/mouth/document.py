@@ -25,10 +25,9 @@ class Amount:
 
 @dataclass(frozen=True)
 class Share:
-    """A share of one, whose text is a percentage: with three digits, or with so many places."""
+    """A share of one, whose text is a percentage with three digits."""
 
     value: float | None
-    places: int | None = None
 
 
 @dataclass(frozen=True)
@@ -42,14 +41,10 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class Ends:
-    """The ends of an interval, with the places that another one, about the same ``value``, leaves them.
-
-    An infinite end is open: what is left is a bound.
-    """
+    """The ends of an interval about ``value``. An infinite end is open: what is left is a bound."""
 
     ends: tuple[float, float] | None
     value: float
-    interval: tuple[float, float]
 
 
 Cell = str | int | float | None | Amount | Share | Uncertain | Ends
