@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -119,10 +119,20 @@ def note(text: str) -> None:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """`` (did you mean 'x'?)`` for the known name closest to ``name``, or nothing when none is close."""
+    match = _closest(name, known)
+    return f" (did you mean '{match[0]}'?)" if match else ""
+
+
+def corrected(given: Mapping[str, T], known: Collection[str]) -> dict[str, T]:
+    """What is given, misspelt names also under the known ones that they seem to mean, which are not missing then."""
+    meant = {match: x for name, x in given.items() if name not in known for match in _closest(name, known)}
+    return meant | dict(given)
+
+
+def _closest(name: str, known: Iterable[str]) -> list[str]:
     from difflib import get_close_matches
 
-    match = get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return f" (did you mean '{match[0]}'?)" if match else ""
+    return get_close_matches(name, list(known), n=1, cutoff=0.6)
 
 
 def read_pairs(read: Callable[[S], tuple[str, T]], given: Iterable[S], what: str) -> dict[str, T]:

@@ -91,7 +91,7 @@ def check(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Prove or refute properties of a law, or of each contact of a machine.
+    """Prove or refute properties of a law, or of a machine's contacts.
 
     They are: unique, bounded, smooth, passive, drift-free. A refuted property has a counterexample that 'run' replays.
     A property may remain undecided.
@@ -107,7 +107,7 @@ def check(
     check_all(positive, lambda: parse_assignments(texts), lambda: level_of(level), lambda: _forces(force or []))
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
     if of_machine and (wrong := [arg(name) for name, x in of_law.items() if x is not None]):
-        raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
+        raise InputError([f"{name}: must be left out for a file: it is about one law" for name in wrong])
     if force and not of_machine:
         text = "needs a machine's FILE.toml: it bounds a link, a load or a motor there"
         raise InputError(f"--force: {force[0]!r}: {text}")

@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 def explore(
     what: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[SCENARIO.toml | LAW]", help="Scenario file, or a law for the built-in stick-slip run."
-        ),
+        typer.Argument(metavar="SCENARIO.toml|LAW", help="Scenario file, or a law for the built-in stick-slip run."),
     ] = None,
     out: Annotated[
         Path | None,

@@ -36,7 +36,7 @@ class How:
         setting(
             "--method",
             "METHOD",
-            "static, or dynamic (by simulation, any law); static for coulomb_viscous, stribeck and stribeck_tanh unless given.",
+            "static, or dynamic (by simulation, any law). Unless given: static for coulomb_viscous, stribeck and stribeck_tanh.",
             ADVANCED,
         ),
     ] = None
@@ -126,7 +126,7 @@ def fit(
     data: record.Data = None,
     law: Annotated[
         list[str] | None,
-        setting("--law", "NAME", "Law to fit; of several, or without it, the best is chosen."),
+        setting("--law", "NAME", "Law to fit; may be repeated. The best of these, or of all laws, is chosen."),
     ] = None,
     logs: Annotated[
         Path | None,

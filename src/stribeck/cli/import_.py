@@ -15,7 +15,7 @@ from stribeck.errors import InputError
 
 @command("import", "stribeck import bam m4.json --out servo.toml")
 def import_(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file).")],
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="Format of FILE: bam, friction models m1 to m6 as JSON.")],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read.")],
     out: Annotated[
         Path | None,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def library(
     name: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Law, FILE.py:NAME, parameter set or machine."),
+        typer.Argument(metavar="NAME", help="Law, FILE.py:NAME, parameter set or machine."),
     ] = None,
     out: Annotated[
         Path | None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -38,9 +39,7 @@ v_d = 0.02                      # m/s, bristle damping falls with speed; without
 
 @command("new", "stribeck new my_rig")
 def new(
-    name: Annotated[
-        str, typer.Argument(metavar="[NAME]", help="Name of the file, or of a built-in example.")
-    ] = "my_rig",
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the file, or of a built-in example.")] = "my_rig",
     out: Annotated[
         Path | None,
         setting("--out", "FILE", "File to write; NAME.toml unless given.", parser=output_path),
@@ -79,7 +78,9 @@ def new(
         write_text(path, data.read_text(encoding="utf-8"))
         wrote([path])
     write_text(target, text)
-    following = _NEXT.get(example, "stribeck run {target} --out {stem}").format(target=target, stem=target.stem)
+    following = _NEXT.get(example, "stribeck run {target} --out {stem}").format(
+        target=shlex.quote(str(target)), stem=shlex.quote(target.stem)
+    )
     wrote([target])
     print(printable(f"next: {following}"))
     return 0

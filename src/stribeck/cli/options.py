@@ -36,9 +36,12 @@ class PlainCommand(TyperCommand):
         """Write arguments and options, a section for each panel."""
         sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
         for parameter in self.get_params(ctx):
-            if (record := parameter.get_help_record(ctx)) is not None:
-                usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
-                panel = getattr(parameter, "rich_help_panel", None) or usual
+            if (record := parameter.get_help_record(ctx)) is None:
+                continue
+            if parameter.param_type_name == "argument":
+                sections["Arguments"].append((str(parameter.metavar), record[1]))  # without its type in Python
+            else:
+                panel = getattr(parameter, "rich_help_panel", None) or "Options"
                 sections.setdefault(panel, []).append(record)
         for title, records in sections.items():
             if records:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @command("predict", "stribeck predict another.csv --fit fit --out predicted")
 def predict(
     context: typer.Context,
-    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="Record that the fit has not used.")],
+    data: Annotated[list[Path], typer.Argument(metavar="DATA", help="Record that the fit has not used.")],
     columns: ColumnsAsFitted,
     fit: Annotated[Path | None, setting("--fit", "DIR", "Folder that 'stribeck fit --out' wrote.")] = None,
     machine: Annotated[

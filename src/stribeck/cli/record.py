@@ -19,7 +19,7 @@ Keywords = dict[str, Any]  # arguments of a function of the library
 Data = Annotated[
     list[Path] | None,
     typer.Argument(
-        metavar="DATA...",
+        metavar="DATA",
         help="Log: CSV, Parquet, MAT or NPZ; several files are several runs. With --logs a machine file.",
     ),
 ]
@@ -38,7 +38,7 @@ class Columns:
         setting(
             "--force-gain",
             "X",
-            "Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
+            "Force per unit of the force column (in N/A for a current): a number, or a name in the file; 1 unless given.",
         ),
     ] = None
     unit: Annotated[list[str] | None, setting("--unit", "COL=UNIT", "Unit of a column; SI unless given.")] = None

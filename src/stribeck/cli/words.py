@@ -33,7 +33,8 @@ def status_of(error: BaseException, command: str) -> tuple[int, str]:
         return 1, one_line(str(error))
     if (usage := getattr(error, "format_message", None)) is not None:  # no text where the help was printed instead
         text = " ".join(usage().split())
-        return 2, f"{text} (stribeck --help)" if text else ""
+        asked = context.command_path if (context := getattr(error, "ctx", None)) else "stribeck"
+        return 2, f"{text} ({asked} --help)" if text else ""
     if isinstance(error, MemoryError):
         return 1, f"not enough memory{f': {error}' if str(error) else ''}"
     if isinstance(error, OSError):

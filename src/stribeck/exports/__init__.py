@@ -134,7 +134,7 @@ def _machine(
     law: Law | None, scenario: Scenario | None, step: float | None, origin: str, options: Options
 ) -> MachineModel:
     """The model of a machine, from which all is taken."""
-    given = {"law": law.name if law is not None else None, "step": step, "self_test": options.self_test or None}
+    given = {"law": law.name if law is not None else None, "step": step}
     if wrong := [f"{arg(n)}: {show(x)}: must be left out" for n, x in given.items() if x is not None]:
         raise InputError([f"{text}: part 'machine' takes all from the scenario" for text in wrong])
     return MachineModel(scenario, origin, options)
@@ -223,6 +223,8 @@ def _problems(
         problems.append(
             f"{arg('self_test')}: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
         )
+    elif self_test and part == "machine":
+        problems.append(f"{arg('self_test')}: part 'machine' has none; must be left out")
     if step is not None and (text := POSITIVE.problem(step)):
         problems.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, NotDifferentiable, nearest
+from stribeck.errors import InputError, NotDifferentiable, corrected, nearest
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
@@ -250,7 +250,7 @@ class Law(metaclass=FromFile):
             elif not (value is None and _may_be_none(known[name])) and (text := known[name].problem(value)):
                 problems.append((name, f"{show(value)}: {text}"))
         for name, constant in declared.items():
-            if constant.required and name not in values:
+            if constant.required and name not in corrected(values, known):
                 unit = f" in {constant.unit}" if constant.unit else ""
                 problems.append(
                     (name, f"missing: law '{cls.name}' needs it ({constant.meaning}, {constant.allowed}{unit})")

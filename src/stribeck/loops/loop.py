@@ -69,7 +69,7 @@ def loop_of(scenario: Scenario) -> Loop:
         InputError: there is no controller, or a servo's, whose loop is not judged.
     """
     if (kind := scenario.called.drive) not in ("", "pid"):
-        raise InputError(f"drive.kind: {kind!r}: must be 'pid': this asks about a position controller's loop")
+        raise InputError(f"drive.kind: {kind!r}: must be 'pid', a position controller, whose loop is judged")
     scenario = scenario.as_machine()
     if not scenario.system.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")

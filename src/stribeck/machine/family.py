@@ -7,9 +7,9 @@ from typing import ClassVar, Self
 from pydantic import GetJsonSchemaHandler
 
 from stribeck.constants import show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, corrected, nearest
 from stribeck.kinds import find_class, in_a_file, of_a_file
-from stribeck.machine.table import FileTable, Held, Reading, problems_at, unknown_key
+from stribeck.machine.table import FileTable, Held, Loc, Reading, problems_at, unknown_key
 
 
 class NotExecuted(Exception):
@@ -57,18 +57,18 @@ class Family(FileTable):
         if isinstance(kind, str) and kind in cls.kinds:
             return cls.kinds[kind]
         every = [key for each in cls.kinds.values() for key in each.file_keys()]
-        problems = [
+        problems: list[tuple[Loc, str]] = [
             ((key,), unknown_key(key, x, [*dict.fromkeys(every)]))
             for key, x in data.items()
             if key not in (*every, "name")
         ]
         allowed = f"one of {', '.join(cls.kinds)}"
-        if "kind" not in data:
-            text = f"missing: must be given ({allowed})"
-        else:
+        if "kind" in data:
             guess = nearest(kind, cls.kinds) if isinstance(kind, str) else ""
-            text = f"{show(kind)}: must be {allowed}{guess}"
-        raise problems_at([*problems, (("kind",), text)])
+            problems.append((("kind",), f"{show(kind)}: must be {allowed}{guess}"))
+        elif "kind" not in corrected(data, (*every, "name")):
+            problems.append((("kind",), f"missing: must be given ({allowed})"))
+        raise problems_at(problems)
 
     def to_table(self) -> dict[str, Held]:
         """With the kind, unless that is the plain one."""

@@ -11,13 +11,15 @@ from pydantic_core import core_schema
 
 from stribeck import laws
 from stribeck.constants import kind_of, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, corrected, nearest
 from stribeck.expressions.ops import Value
 from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, Law, Scales
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants, OnTerm
 from stribeck.machine.table import Carrier, ConstantLeaf, Problem, Reading, joined, no_table, problems_at
+
+_KEYS = ("name", "parameters")
 
 
 def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> list[Problem]:
@@ -42,7 +44,7 @@ def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, li
     law = _named_law(table, path, reading, problems)
     given = _parameters(table, path, law, reading.folder, problems)
     parameters = given or {}
-    constants = {name: value for name, value in table.items() if name not in ("name", "parameters")}
+    constants = {name: value for name, value in table.items() if name not in _KEYS}
     paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
     paths |= {n: f"{path}.{n}" for n in constants}
     for name in [name for name in constants if name in PARAMETERS or name in parameters]:
@@ -50,8 +52,8 @@ def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, li
         text = f"belongs in {inside}" if name in PARAMETERS else f"stands in {inside} too"
         problems.append((f"{path}.{name}", f"{show(constants.pop(name))}: {text}"))
     has = law.constants() if law is not None else {}
-    misspelt = {n: constants.pop(n) for n in list(constants) if n not in has and nearest(n, ("name", "parameters"))}
-    problems += unknown(misspelt, path, ("name", "parameters"))
+    misspelt = {n: constants.pop(n) for n in list(constants) if n not in has and nearest(n, _KEYS)}
+    problems += unknown(misspelt, path, _KEYS)
     if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
         wrong = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
         if ".py:" not in str(table.get("name")):
@@ -72,7 +74,8 @@ def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, li
 
 def _named_law(table: Mapping[str, object], path: str, reading: Reading, problems: list[Problem]) -> type[Law] | None:
     if "name" not in table:
-        problems.append((f"{path}.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
+        if "name" not in corrected(table, _KEYS):
+            problems.append((f"{path}.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
         return None
     if in_a_file(table["name"]) and not reading.executes:
         return None
@@ -92,7 +95,8 @@ def _parameters(
         if law is None or not any(law.constants()[name].required for name in law.uses):
             return {}
         needs = f"law '{law.name}' needs {', '.join(law.uses)}"
-        problems.append((place, f"missing: must be a table of numbers or the name of a set; {needs}"))
+        if "parameters" not in corrected(table, _KEYS):
+            problems.append((place, f"missing: must be a table of numbers or the name of a set; {needs}"))
         return None
     if isinstance(given, dict):
         return dict(given)

@@ -164,7 +164,7 @@ class MachineSystem:
             law = e.contacts[""].friction.kind
             servo = [x.heading(e) for x in e.controllers.values() if x.moves_valve]
             return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *servo)
-        lines = [f"A machine of {len(e.bodies)} bodies: {', '.join(e.bodies)}."]
+        lines = [f"A machine of {len(e.bodies)} bod{'y' if len(e.bodies) == 1 else 'ies'}: {', '.join(e.bodies)}."]
         lines += [text for section in SECTIONS for x in getattr(e, section).values() if (text := x.heading(e))]
         return tuple(lines)
 

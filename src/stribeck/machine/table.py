@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
 from stribeck.constants import Constant, kind_of, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, corrected, nearest
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.ops import Value
 from stribeck.waveforms import Signal
@@ -304,7 +304,11 @@ class FileTable(BaseModel):
         try:
             table = handler(cls.completed(dict(data), info.context or Reading()))
         except ValidationError as error:
-            every = [e for e in error.errors(include_url=False) if e["type"] != "default_factory_not_called"]
+            meant = corrected(data, cls.file_keys())
+            every = [
+                e for e in error.errors(include_url=False)
+                if e["type"] != "default_factory_not_called" and not (e["type"] == "missing" and e["loc"][0] in meant)
+            ]  # fmt: skip
             raise problems_at([(e["loc"], cls._word(e)) for e in every]) from None
         if problems := table.wrong():
             raise problems_at([(_loc(key), text) for key, text in problems])

@@ -73,7 +73,7 @@ def check(
         if level is not None:
             raise InputError("level: must be left out for a machine: its file defines what varies")
         if tolerated:
-            raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in tolerated])
+            raise InputError([f"{name}: must be left out for a file: it is about one law" for name in tolerated])
         return check_machine(what, v_max, forces, t_end, work)
     alien = {"forces": forces, "t_end": t_end}
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:

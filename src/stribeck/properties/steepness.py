@@ -69,7 +69,7 @@ class Tolerated:
         if self.steady_error is not None and self.speed is None:
             problems.append(f"{arg('speed')}: missing: must be given with {arg('steady_error')}")
         if all(getattr(self, name) is None for name in _TOLERANCES):
-            problems.append(f"missing: a tolerance: at least one of {', '.join(map(arg, _TOLERANCES))}")
+            problems.append(f"{', '.join(map(arg, _TOLERANCES))}: missing: at least one must be given")
         return problems
 
     def requirements(self, law: Law) -> tuple[Requirement, ...]:

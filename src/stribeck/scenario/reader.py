@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from stribeck import platforms
 from stribeck.constants import Column, kind_of, rotary_words, show
-from stribeck.errors import nearest
+from stribeck.errors import corrected, nearest
 from stribeck.machine.element import SECTIONS
 from stribeck.machine.law import unknown
 from stribeck.machine.machine import Elements
@@ -133,6 +133,7 @@ class Reader:
     def _top(self, version: int, known: tuple[str, ...]) -> None:
         """The keys that are no tables."""
         self.problems += unknown(self.data, "", known)
+        self.data = corrected(self.data, known)
         schema = self.data.get("schema")
         if "schema" not in self.data:
             text = f"missing: must be given (schema = {version}, the version of the file format: {_ABOUT[version]})"

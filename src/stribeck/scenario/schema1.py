@@ -11,7 +11,7 @@ from pathlib import Path
 
 from stribeck import parameter_sets
 from stribeck.constants import Column, kind_of, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, corrected, nearest
 from stribeck.kinds import in_a_file
 from stribeck.laws.base import Law
 from stribeck.machine.elements.bodies import MASS as OF_BODY
@@ -179,7 +179,7 @@ def _drive(data: Table, problems: list[Problem]) -> tuple[dict[str, object], str
         text = f"missing: the table [drive] must be given (with kind, one of {', '.join(SIGNALS)}, and signal)"
         problems.append(("drive", text if table is None else no_table(table)))
         return {}, ""
-    kind = table.get("kind")
+    kind = corrected(table, ("kind",)).get("kind")
     if not (isinstance(kind, str) and kind in SIGNALS):
         every = dict.fromkeys(("kind", *(n for each in SIGNALS for n in constants_of(each)), "signal"))
         problems += unknown({n: x for n, x in table.items() if n not in every}, "drive", every)
@@ -188,10 +188,11 @@ def _drive(data: Table, problems: list[Problem]) -> tuple[dict[str, object], str
         text = f"{show(kind)}: must be {allowed}{guess}" if "kind" in table else f"missing: must be given ({allowed})"
         problems.append(("drive.kind", text))
         return {"signal": table["signal"]} if "signal" in table else {}, ""
-    if "signal" not in table:
-        problems.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
     known = ("kind", *constants_of(kind), "signal")
     problems += unknown(table, "drive", known)
+    table = corrected(table, known)
+    if "signal" not in table:
+        problems.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
     return {n: x for n, x in table.items() if n in known}, kind
 
 
@@ -205,7 +206,7 @@ def _plant(data: Table, drive: str, problems: list[Problem]) -> dict[str, object
             problems.append(("plant", "missing: the table [plant] must be given (with mass)"))
         return {"mass": 1.0}  # in its place
     table = {n: x for n, x in table.items() if x is not None}
-    kind, allowed = table.get("kind"), PNEUMATIC if drive == "cascade" else MASS
+    kind, allowed = corrected(table, ("kind",)).get("kind"), PNEUMATIC if drive == "cascade" else MASS
     if in_a_file(kind) and drive != "cascade":
         return table
     if (kind is not None or drive == "cascade") and kind != allowed:
@@ -215,7 +216,9 @@ def _plant(data: Table, drive: str, problems: list[Problem]) -> dict[str, object
         foreign = {n: x for n, x in table.items() if n in NOT_OF_A_PISTON}
         problems += unknown(foreign, "plant", ())
         return {n: x for n, x in table.items() if n not in foreign} | {"kind": PNEUMATIC}
-    problems += unknown(table, "plant", ("kind", "mass", "initial"))
+    known = ("kind", "mass", "initial")
+    problems += unknown(table, "plant", known)
+    table = corrected(table, known)
     if "mass" not in table and drive != "velocity":
         if drive:  # whether a mass must be given depends on the drive
             problems.append(("plant.mass", "missing: must be given (mass of the body, kg)"))
@@ -239,6 +242,6 @@ def _body(
         problems += unknown(start, "plant.initial", [n for n in known if n != "v" or drive != "velocity"] + (
             ["v"] if drive == "velocity" and "v" in start else []
         ))  # fmt: skip
-        start = {n: x for n, x in start.items() if n in known}
+        start = {n: x for n, x in corrected(start, known).items() if n in known}
     body["initial"] = {n: x for n, x in start.items() if n != "z"}
     return body, {n: x for n, x in start.items() if n == "z"}

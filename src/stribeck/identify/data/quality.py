@@ -250,7 +250,7 @@ def _jitter(time: Array) -> float:
 def _require_rows(columns: dict[str, Array], number: str) -> None:
     rows = len(columns["time"])
     if rows < FEWEST:
-        raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
+        raise InputError(f"{arg('data')}: {number}: needs {FEWEST} rows or more for a fit, has {rows}")
 
 
 def _require_magnitudes(columns: dict[str, Array], number: str) -> None:

@@ -72,7 +72,7 @@ def problem(name: str, value: object) -> str:
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
     if abs(number) <= LARGEST and not (positive and number < 0):
         return ""
-    return f"must be a number {'from 0, and' if positive else 'of'} at most {LARGEST:g}"
+    return f"must be a number from {0 if positive else -LARGEST:g} to {LARGEST:g}"
 
 
 def check(names: tuple[str, ...], log: Log) -> None:
