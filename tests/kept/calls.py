@@ -186,8 +186,6 @@ def _():
         yield f"at: {numbers(signal.at(t))}"
         yield from (f"{name} there: {numbers(x)}" for name, x in signal.values_at(t[::3]).items())
         yield f"smooth {signal.smooth}, longest step {signal.longest_step:g}, {len(signal.pieces)} pieces"
-        for level in (0.1, 0.45):
-            yield f"passes {level}: {[(float(f'{x:.10g}'), bool(up)) for x, up in signal.crossings(level, 1.2)]}"
         table = pieces(signal, True, 1.2)
         yield from (
             f"{name}: {numbers(np.asarray(x, float))}"

@@ -104,11 +104,6 @@ class Elements:
         """Whether the elements have no names, as those of a file of schema 1: each is the only one of its section."""
         return "" in self.bodies
 
-    @property
-    def given_alone(self) -> bool:
-        """Whether the velocity of the only body is given: then the signal itself tells the events."""
-        return self.unnamed and self.bodies[""].velocity is not None
-
     # -- numbers, symbols, lanes ---------------------------------------------------------------------------------------
 
     @cached_property
@@ -266,23 +261,11 @@ class Elements:
         return [{"period": s.period, "delay": s.delay, "noise": 0.0 if s.noise is None else s.noise, "seed": s.seed}
                 for s in samplings]  # fmt: skip
 
-    def more_events(self, reached: float) -> list[tuple[float, int]]:
-        """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
-        if not self.given_alone:
-            return []
-        (signal,) = self.signals.values()
-        return signal_events(signal, self.contacts[""].level(), reached)
-
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], table: Pieces) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
         rows = table.at(t)
         segment = {name: rows[:, i] for i, name in enumerate(self.system.piece_fields)}
         return self.system.output_columns(self.values, segment | held, t, states)
-
-
-def signal_events(signal: Signal, threshold: float, reached: float) -> list[tuple[float, int]]:
-    """Slip and stick of a contact whose velocity is a signal."""
-    return [(t, int(not rises)) for t, rises in signal.crossings(threshold, reached)] if threshold > 0 else []
 
 
 def _smallest(by_body: dict[str, Scales], name: str, s: Scales) -> None:

@@ -14,7 +14,6 @@ from stribeck import platforms
 from stribeck.arrays import Array
 from stribeck.constants import Column
 from stribeck.errors import InputError, nearest, printable
-from stribeck.machine.equations import SLIP_AND_STICK
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import backend, lanes
@@ -169,7 +168,7 @@ class _Lanes:
         self.possible = np.flatnonzero([text is None for text in self.reason])
         scenario, count = variations.scenario, len(variations)
         self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected", "status", "inaccurate")}
-        self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
+        self.counts["happened"] = np.zeros((count, len(scenario.system.watched), 4), np.int64)
 
     @cached_property
     def states(self) -> Array:
@@ -190,22 +189,10 @@ class _Lanes:
             self.states = outcome.states
         else:
             self.states[self.possible, :, : outcome.states.shape[2]] = outcome.states
-        watched = outcome.counts["happened"].shape[1]
         for name, x in self.counts.items():
-            if name == "happened":
-                x[self.possible, :watched] = outcome.counts[name]
-            elif name == "inaccurate":
-                x[self.possible] = outcome.inaccurate
-            else:
-                x[self.possible] = outcome.counts[name]
+            x[self.possible] = outcome.inaccurate if name == "inaccurate" else outcome.counts[name]
         for lane, status, t in zip(self.possible, outcome.counts["status"], outcome.t_reached, strict=True):
             self.reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
-        step = scenario.output.step
-        for i, lane in enumerate(self.possible):
-            done = outcome.counts["status"][i] == 0
-            reached = scenario.end if done else max(float(outcome.counts["rows_reached"][i]) - 1, 0.0) * step
-            for _, what in possible.more_events(i, reached):
-                self.counts["happened"][lane, what >> 2, what & 3] += 1
 
     def ensemble(self, columns: dict[str, Array] | None = None) -> Ensemble:
         """The ensemble; ``columns`` if they are known beside the states."""
@@ -240,7 +227,7 @@ def inaccurate_lanes(number: int, lanes: int) -> str:
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:
     """The count of each event in each lane, by element; a single body has no name."""
     by_element: dict[str, dict[str, NDArray[np.int64]]] = {}
-    for j, (name, events) in enumerate(scenario.system.watched or (("", SLIP_AND_STICK),)):
+    for j, (name, events) in enumerate(scenario.system.watched):
         of_element = by_element.setdefault(name, {})
         for i, event in enumerate(events):
             of_element[event] = of_element.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]

@@ -43,8 +43,6 @@ def simulate_once(
     result = counts.settled(scenario, once) if counts.reads_counts(scenario) else once(scenario)
     for text in result.remarks:
         note(text)
-    reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
-    result.events.extend(scenario.elements.more_events(reached))
     result.stats.update({"backend": built.backend, "built": built.new, "build_seconds": built.seconds})
     result.stats["seconds"] = perf_counter() - started - built.seconds
     solution = Solution(scenario, result)

@@ -49,7 +49,7 @@ class Solution:
         self.states, names = result.states[:, :count], (*scenario.system.held, *scenario.system.shown)
         self.held: dict[str, Array] = dict(zip(names, result.states[:, count:].T, strict=True))
         self.events = _events(scenario, result.events)
-        self.counts = np.zeros((max(1, len(scenario.system.watched)), 4), np.int64)  # of each event
+        self.counts = np.zeros((len(scenario.system.watched), 4), np.int64)  # of each event
         for _, what in result.events:
             self.counts[what >> 2, what & 3] += 1
 

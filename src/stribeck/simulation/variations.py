@@ -14,7 +14,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
-from stribeck.machine.machine import INITIAL, Elements, signal_events
+from stribeck.machine.machine import INITIAL, Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import Key
 from stribeck.scenario import Scenario
@@ -154,14 +154,6 @@ class Variations:
         """The threshold of each watched quantity, 0 for none."""
         thresholds = self._carried.thresholds()
         return self._table(thresholds) if thresholds else np.zeros((len(self), 0))
-
-    def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
-        """Events of a lane that do not depend on its states, up to the time reached (:meth:`Elements.more_events`)."""
-        if not self.machine.given_alone:
-            return []
-        signals, which = self._signals(next(iter(self.machine.signals)))
-        threshold = self._table([self._carried.contacts[""].level()])[lane, 0]
-        return signal_events(signals[which[lane]], float(threshold), reached)
 
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""

@@ -102,36 +102,6 @@ class Signal:
             return self.segments.at(t)
         return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
 
-    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
-        """The times in (0, t_end] at which \\|signal\\| passes ``level``, each with True where it rises."""
-        s = self.segments
-        times = np.concatenate([[0.0], s.start[(s.start > 0) & (s.start < t_end)], [t_end]])
-        i = np.clip(np.searchsorted(s.start, times[:-1], side="right") - 1, 0, None)
-        left, right = s.at(times[:-1]), s.value[i] + s.slope[i] * (times[1:] - s.start[i])
-        jumps = np.append(False, (abs(left[1:]) >= level) != (abs(right[:-1]) >= level))
-        passes = {side * level: (side * left >= level) != (side * right >= level) for side in (1, -1)}
-        crossings: list[tuple[float, bool]] = []
-        for j in np.flatnonzero(jumps | passes[level] | passes[-level]):
-            t0, t1, a, b = times[j], times[j + 1], left[j], right[j]
-            cuts = [t0] if jumps[j] else []
-            cuts += [t0 + (target - a) * (t1 - t0) / (b - a) for target, passed in passes.items() if passed[j]]
-            above = (abs(a) >= level) != jumps[j]
-            for cut in sorted(cuts):
-                above = not above
-                crossings.append((float(cut), bool(above)))
-        return _drop_touches(crossings)
-
-
-def _drop_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
-    """The crossings without pairs at the same instant, where the signal only touches the level."""
-    remaining: list[tuple[float, bool]] = []
-    for t, rises in crossings:
-        if remaining and math.isclose(t, remaining[-1][0], rel_tol=1e-14, abs_tol=0.0):
-            remaining.pop()
-        else:
-            remaining.append((t, rises))
-    return [(t, rises) for t, rises in remaining if t > 0]
-
 
 class RampSignal(Signal):
     """rate * t."""
@@ -196,20 +166,6 @@ class SineSignal(Signal):
     @property
     def longest_step(self) -> float:
         return 0.125 / self.values["frequency"]
-
-    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
-        v = self.values
-        crossings: list[tuple[float, bool]] = []
-        rate = 2 * np.pi * v["frequency"]
-        for target in (level, -level):
-            x = (target - v["offset"]) / v["amplitude"] if v["amplitude"] else 2.0
-            if abs(x) >= 1:
-                continue
-            for angle in (np.arcsin(x), np.pi - np.arcsin(x)):
-                first = ((angle - v["phase"]) % (2 * np.pi)) / rate
-                rises = bool(v["amplitude"] * np.cos(angle) * np.sign(target) > 0)
-                crossings += [(float(t), rises) for t in np.arange(first, t_end, 2 * np.pi / rate) if t > 0]
-        return sorted(crossings)
 
 
 class PointsSignal(Signal):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from math import inf
 from types import SimpleNamespace
@@ -112,35 +112,25 @@ class SumSignal(Signal):
             rate = rate + wave.values["amplitude"] * w * np.cos(w * t + wave.values["phase"])
         return rate
 
-    def _zeros(self, quantity: Callable[[int, Value], Value], t_end: float) -> Iterator[tuple[float, bool]]:
-        """Times at which a quantity passes through 0 and whether it rises: starts of pieces, or bisected to rounding."""
-        starts = [start for start, _ in self.pieces if start <= t_end]
-        before = 0.0
+    def turns(self, t_end: float) -> Array:
+        """The times before ``t_end`` at which the rate passes through 0: starts of pieces, or bisected to rounding."""
+        starts, turns, before = [start for start, _ in self.pieces if start <= t_end], list[float](), 0.0
         for i, (begin, end) in enumerate(zip(starts, [*starts[1:], t_end], strict=True)):
             count = int(np.ceil((end - begin) / self.longest_step * _SAMPLES)) + 8 * _SAMPLES
             t = np.linspace(begin, end, count + 1)
-            side = np.sign(quantity(i, t) + 0.0 * t)
+            side = np.sign(self._rate(i, t) + 0.0 * t)
             t, side = t[side != 0], side[side != 0]  # where it is 0 it may pass, or touch 0 only
             if not len(t):
                 continue
             if before * side[0] < 0:
-                yield begin, bool(side[0] > 0)
+                turns.append(begin)
             for k in np.flatnonzero(side[1:] * side[:-1] < 0):
                 low, high = float(t[k]), float(t[k + 1])
                 while low < (middle := 0.5 * (low + high)) < high:
-                    low, high = (middle, high) if quantity(i, middle) * side[k] > 0 else (low, middle)
-                yield low, bool(side[k] < 0)
+                    low, high = (middle, high) if self._rate(i, middle) * side[k] > 0 else (low, middle)
+                turns.append(low)
             before = side[-1]
-
-    def turns(self, t_end: float) -> Array:
-        """The times before ``t_end`` at which the rate passes through 0."""
-        return np.array([t for t, _ in self._zeros(self._rate, t_end)])
-
-    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
-        def above(i: int, t: Value) -> Value:
-            return abs(self._within(i, t)) - level
-
-        return [(t, rises) for t, rises in self._zeros(above, t_end) if t > 0]
+        return np.array(turns)
 
 
 @lru_cache(maxsize=64)

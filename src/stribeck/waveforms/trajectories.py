@@ -78,21 +78,6 @@ class Curve(Signal):
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
         return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(COEFFICIENTS)}}
 
-    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
-        crossings: list[tuple[float, bool]] = []
-        ends = [*(start for start, _ in self.pieces[1:]), np.inf]
-        for (start, values), end in zip(self.pieces, ends, strict=True):
-            poly = np.polynomial.Polynomial([values[name] for name in COEFFICIENTS])
-            for target in (level, -level):
-                roots = (poly - target).roots()
-                real = roots[abs(roots.imag) < 1e-9 * (1 + abs(roots))].real + start
-                slope = poly.deriv()(real - start) * np.sign(target)
-                crossings += [
-                    (float(time), bool(rise > 0))
-                    for time, rise in zip(real, slope, strict=True) if start <= time < end and 0 < time <= t_end and rise
-                ]  # fmt: skip
-        return sorted(crossings)
-
 
 def _highest_coefficients(t: Array, value: Array) -> Array:
     """The magnitude of the highest coefficient between points; not finite if it overflows."""

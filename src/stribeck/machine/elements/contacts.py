@@ -268,9 +268,9 @@ class Contact(BetweenBodies, family=True):
         if self.has_z:
             a.rates[self.name_of("z")] = rate
 
-    def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
-        """Slip and stick; not where the only velocity is a signal, which tells by itself."""
-        return None if a.system.given_alone else (SLIP_AND_STICK, a.k[self.name_of("w")])
+    def watches(self, a: Assembly) -> tuple[Events, Expr]:
+        """Slip and stick."""
+        return SLIP_AND_STICK, a.k[self.name_of("w")]
 
     def level(self) -> Value:
         """The speed of slip and stick."""
