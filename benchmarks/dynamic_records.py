@@ -15,9 +15,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import stribeck
-from stribeck.identify.plan import Test, motion
+from stribeck.identify.plan import motion
 from stribeck.identify.synthetic import Experiment, Sensors, experiment
 from stribeck.laws import find
+from tests.identify import rig
 from tests.reference.apart import solve
 
 Draw = np.random.Generator
@@ -42,11 +43,6 @@ def lugre(p: Constants, v: float, w: float, speed: float) -> tuple[float, float]
     return p["sigma_0"] * bends, w + p["sigma_1"] * bends + p["sigma_2"] * v
 
 
-def majorant(v: float, k_v: float) -> float:
-    """A smooth speed that is nowhere below |v|."""
-    return v * TWO_OVER_PI * math.atan(k_v * v) + TWO_OVER_PI / k_v
-
-
 def waves(draw: Draw, t: np.ndarray, low: float, high: float) -> np.ndarray:
     """Three sines, 0 at first."""
     f, phase = draw.uniform(low, high, 3), draw.uniform(0, 2 * np.pi, 3)
@@ -56,35 +52,22 @@ def waves(draw: Draw, t: np.ndarray, low: float, high: float) -> np.ndarray:
 # -- presliding loops and strokes of a rig ----------------------------------------------------------------------------
 
 RIG_LAWS: dict[str, Constants] = {"lugre": {}, "elastoplastic_majorant": {"k_v": 1e5, "z_ba": 4e-6}}
-RIG = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
-RIG_STEP, FINER = 1e-3, 4  # s between samples; the rig moves on a mesh four times as fine
 
-
-def loop(size: float, rate: float, cycles: int = 2) -> Test:
-    """There and back by ``size`` at a rate in Hz."""
-    return Test("presliding loop", "", "motion", size, math.pi * rate * size, None, 1 / rate, cycles)
-
-
-def stroke(speed: float) -> Test:
-    """A stroke at a speed, there and back in 0.4 s."""
-    return Test("constant speed", "", "motion", 0.14 * speed, speed, None, 0.4, 1)
-
-
-LOOPS = [loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (4.0, 20.0)]
-STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
-PARTIAL = (LOOPS[:4], STROKES, STROKES[-2:])  # every fourth leaves something out, so that some cannot be determined
+LOOPS = [rig.loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (4.0, 20.0)]
+# every fourth record leaves something out, so that some constants cannot be determined
+PARTIAL = (LOOPS[:4], rig.STROKES, rig.STROKES[-2:])
 
 
 def presliding(name: str, seed: int) -> Experiment:
     """An encoder of 5 nm and a force with noise of 1 % of the Coulomb friction."""
     draw = np.random.default_rng((seed, sum(name.encode())))
-    values = {key: value * float(np.exp(draw.uniform(-0.25, 0.25))) for key, value in RIG.items()}
+    values = {key: value * float(np.exp(draw.uniform(-0.25, 0.25))) for key, value in rig.TRUTH.items()}
     values["F_s"] = values["F_c"] * float(draw.uniform(1.2, 1.6))
     law = find(name)({**values, **RIG_LAWS[name]})
     sensors = Sensors(position_resolution=5e-9, force_noise=0.01 * values["F_c"])
-    tests = [*LOOPS, *STROKES] if seed % 4 != 3 else PARTIAL[seed // 4 % 3]
+    tests = [*LOOPS, *rig.STROKES] if seed % 4 != 3 else PARTIAL[seed // 4 % 3]
     number = 1000 * list(RIG_LAWS).index(name) + seed
-    return experiment(law, motion(tests, RIG_STEP / FINER), sensors, seed=number, every=FINER)
+    return experiment(law, motion(tests, rig.STEP / rig.FINER), sensors, seed=number, every=rig.FINER)
 
 
 # -- a body under two sines of force ----------------------------------------------------------------------------------
@@ -200,16 +183,34 @@ class Term:
     phase: float = 0.0
     waves: float = 1.0
 
-    def __call__(self, level: float, y: float, v: float, f: float, t: float, steep: float) -> float:
-        """Coulomb friction with the term; ``f`` is the force that loads it."""
-        sign = TWO_OVER_PI * math.atan(steep * v)
-        more = {
-            "bump": math.exp(-min((v / self.v_s) ** 2, 700.0)) * sign, "drag": v * abs(v) / 16,
-            "position": math.cos(y + self.phase) * sign, "load": abs(f) / level * sign, "direction": abs(sign),
-            "spring": y, "time": (t / 2 - 0.5) * sign, "ripple": math.sin(self.waves * y), "offset": 1.0,
-            "root": sign * abs(v) ** 0.5,
-        }.get(self.what, 0.0)  # fmt: skip
-        return float(level * (sign + self.size * more))
+    def put(self, data: dict[str, Any], loads: str) -> None:
+        """Give it to a machine's file, with the force that ``loads`` its joint."""
+        joint, what, size = data["contacts"]["joint"], self.what, self.size
+        force = size * joint["law"]["parameters"]["F_c"]
+        by_speed = {
+            "bump": lambda v: math.exp(-min((v / self.v_s) ** 2, 700.0)) * smooth_sign(v), "drag": lambda v: v * abs(v) / 16,
+            "direction": lambda v: abs(smooth_sign(v)), "root": lambda v: smooth_sign(v) * abs(v) ** 0.5,
+        }  # fmt: skip
+        if what in by_speed:
+            data["contacts"]["term"] = {"from": "arm", "law": {"name": lambda v: force * by_speed[what](v)}}
+        elif what == "position":
+            level = {"amplitude": [size], "waves": [1.0], "phase": [self.phase + math.pi / 2]}
+            joint["factors"] = {"level": level}
+        elif what == "time":
+            joint["factors"] = {"level": {"signal": {**STILL, "t": [0.0, 2.0], "value": [1 - size / 2, 1 + size / 2]}}}
+        elif what == "load":
+            joint["loads"] = [{"force": loads, "F_c": size}]
+        elif what == "spring":
+            data["links"] = {**data.get("links", {}), "term": {"from": "arm", "to": "ground", "stiffness": force}}
+        elif what == "ripple":
+            data["loads"]["term"] = {"on": "arm", "kind": "ripple", "amplitude": [-force], "waves": [self.waves]}
+        elif what == "offset":
+            data["loads"]["term"] = {"on": "arm", "kind": "signal", "signal": {**STILL, "value": [-force, -force]}}
+
+
+def smooth_sign(v: float) -> float:
+    """The sign of the speed in the machines that lack a term."""
+    return TWO_OVER_PI * math.atan(50.0 * v)
 
 
 def lacking(draw: Draw, what: str) -> Term:
@@ -219,35 +220,6 @@ def lacking(draw: Draw, what: str) -> Term:
     size = abs(size) if what in ("bump", "load", "drag", "root") else size
     v_s = float(np.exp(draw.uniform(np.log(0.05), np.log(1.0))))
     return Term(what, size, v_s, draw.uniform(0, 6), float(draw.integers(5, 30)))
-
-
-def hanging(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
-    """An arm: Coulomb and viscous friction, gravity, a torque."""
-    t = 0.005 * np.arange(401)
-    inertia, gravity, level, viscous = truth.values()
-    u = 1.33 * size * waves(draw, t, 0.3, 1.5)
-
-    def rates(s: float, x: np.ndarray) -> list[float]:
-        y, v = x
-        push = float(np.interp(s, t, u))
-        return [v, (push - gravity * math.sin(y) - term(level, y, v, push, s, 50.0) - viscous * v) / inertia]
-
-    return t, moved(rates, t, 2)[0], u
-
-
-def geared(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
-    """A motor with an elastic arm; the encoder is the motor's."""
-    t = 0.005 * np.arange(401)
-    inertia, stiffness, level, viscous = truth.values()
-    u = 0.9 * size * waves(draw, t, 0.3, 1.5)
-
-    def rates(s: float, x: np.ndarray) -> list[float]:
-        y, v, q, w = x
-        pull = stiffness * (y - q) + 0.1 * (v - w)
-        rubs = term(level, y, v, pull, s, 50.0) + viscous * v
-        return [v, (float(np.interp(s, t, u)) - pull - rubs) / inertia, w, (pull - math.sin(q)) / 0.06]
-
-    return t, moved(rates, t, 4)[0], u
 
 
 def upright(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
@@ -298,52 +270,51 @@ def servo(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     return t, y, u + 0.005 * p["F_s"] * draw.standard_normal(rows)
 
 
-def belt(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
-    """A motor, a belt and a carriage under a position loop; its current has noise of 20 mA."""
-    t = 0.004 * np.arange(751)
-    a, w = draw.uniform(0.04, 0.08), 2 * np.pi * draw.uniform(0.4, 0.8)
-    b, q = draw.uniform(0.01, 0.02), 2 * np.pi * draw.uniform(1.3, 2.2)
-    mass, F_c, sigma_2, F_s = truth.values()
-    p = {"sigma_0": 2e5, "sigma_1": 300.0, "v_s": 0.02, "F_c": F_c, "F_s": F_s, "sigma_2": sigma_2}
-
-    def current(s: Any, y: Any, v: Any) -> Any:
-        r = a * (1 - np.cos(w * s)) + b * (1 - np.cos(q * s))
-        dr = a * w * np.sin(w * s) + b * q * np.sin(q * s)
-        return (4000.0 * (r - y) + 120.0 * (dr - v)) / CURRENT_GAIN
-
-    def rates(s: float, x: np.ndarray) -> list[float]:
-        y, v, z, u, bristles = x
-        dw, friction = lugre(p, u, bristles, majorant(u, 1e4))
-        pull = BELT * (y - z) + BELT_DAMPING * (v - u)
-        return [v, (CURRENT_GAIN * current(s, y, v) - pull) / MOTOR_MASS, u, (pull - friction) / mass, dw]
-
-    x = moved(rates, t, 5)
-    return t, x[0], current(t, x[0], x[1]) + 0.02 * draw.standard_normal(len(t))
+def true_file(name: str, truth: Constants, size: float, t: np.ndarray) -> dict[str, Any]:
+    """A machine's file with its true constants, and its rows at the times."""
+    case = CASES[name]
+    changes = {**truth, **case.known(size), "output.step": float(t[1]), "solve.t_end": float(t[-1])}
+    return stribeck.Scenario(case.machine).with_changes(changes).data
 
 
-def played(name: str, truth: Constants, size: float, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """The position of the joint's body in a machine's file under a push that is straight between samples."""
-    case, signal = CASES[name], {"kind": "points", "t": t.tolist(), "value": u.tolist()}
-    changes = {**truth, **case.known(size), "loads.push.signal": signal, "output.step": t[1], "solve.t_end": t[-1]}
-    return np.asarray(solve(stribeck.Scenario(case.machine).with_changes(changes).data, 1e-11)["arm.y"])
+def pushed_by(u: np.ndarray, t: np.ndarray, data: dict[str, Any]) -> np.ndarray:
+    """The position of the joint's body under a push that is straight between samples."""
+    data["loads"]["push"]["signal"] = {"kind": "points", "t": t.tolist(), "value": u.tolist()}
+    return np.asarray(solve(data, 1e-11)["arm.y"])
 
 
-def waved(name: str, force: float) -> Record:
-    """Recordings of a machine under three sines of force."""
+def waved(name: str, force: float, low: float, high: float, loads: str = "push") -> Record:
+    """Recordings of a machine under three sines of force, at 0.2 kHz."""
 
     def record(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
         t = 0.005 * np.arange(401)
-        u = force * size * waves(draw, t, 0.5, 2.5)
-        return t, played(name, truth, size, t, u), u
+        u, data = force * size * waves(draw, t, low, high), true_file(name, truth, size, t)
+        term.put(data, loads)
+        return t, pushed_by(u, t, data), u
 
     return record
+
+
+def belt(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A motor, a belt and a carriage under a position loop; its current has noise of 20 mA."""
+    t = 0.004 * np.arange(751)
+    a, w = draw.uniform(0.04, 0.08), draw.uniform(0.4, 0.8)
+    b, q = draw.uniform(0.01, 0.02), draw.uniform(1.3, 2.2)
+    data = true_file("belt", truth, size, t)
+    del data["loads"]["push"]
+    for name, way, frequency in (("slow", 2 * a, w), ("fast", 2 * b, q)):  # each has half of the loop's gains
+        signal = {"kind": "sine", "amplitude": way, "frequency": frequency, "phase": -math.pi / 2, "offset": way}
+        data["links"][name] = {"from": {"signal": signal}, "to": "motor", "stiffness": 2000.0, "damping": 60.0}
+    columns = solve(data, 1e-11)
+    current = (columns["slow.f"] + columns["fast.f"]) / CURRENT_GAIN
+    return t, columns["motor.y"], current + 0.02 * draw.standard_normal(len(t))
 
 
 def joint(draw: Draw, truth: Constants, size: float, term: Term, seconds: float = 2.0) -> Sampled:
     """A rotor and an arm with play between them; the friction on the rotor grows with the gear's torque."""
     t = 0.005 * np.arange(round(seconds / 0.005) + 1)
     u = 3.0 * np.sin(2 * np.pi * (0.8 * t + 3 / seconds * t**2)) * np.cos(2 * np.pi * draw.uniform(0.1, 0.3) * t)
-    return t, played("joint", truth, size, t, u), u
+    return t, pushed_by(u, t, true_file("joint", truth, size, t)), u
 
 
 @dataclass(frozen=True)
@@ -387,26 +358,26 @@ CASES = {
         machine(law("coulomb_viscous", 50.0, F_c=0.12, sigma_2=0.06), {"arm": {"inertia": 0.2}}, 2.0,
                 loads=pushed(gravity=pendulum(3.0))),
         {"bodies.arm.inertia": 0.17, "loads.gravity.amplitude": 3.3, f"{LAW}F_c": 0.1, f"{LAW}sigma_2": 0.05},
-        hanging, "loads.push.signal", 5e-4,
+        waved("arm", 1.33, 0.3, 1.5), "loads.push.signal", 5e-4,
     ),
     "geared": Case(
         machine(law("coulomb_viscous", 50.0, F_c=0.48, sigma_2=0.06), {"arm": {"inertia": 0.025}, "far": {"inertia": 0.06}}, 2.0,
                 links={"gear": {"from": "arm", "to": "far", "stiffness": 70.0, "damping": 0.1}},
                 loads=pushed(gravity=pendulum(1.0, on="far"))),
         {"bodies.arm.inertia": 0.02, "links.gear.stiffness": 60.0, f"{LAW}F_c": 0.4, f"{LAW}sigma_2": 0.03},
-        geared, "loads.push.signal", 5e-4,
+        waved("geared", 0.9, 0.3, 1.5, loads="gear"), "loads.push.signal", 5e-4,
     ),
     "slide": Case(
         machine(law("lugre_majorant", 1e4, sigma_0=2e4, sigma_1=60.0, sigma_2=3.5, F_c=0.9, F_s=1.7, v_s=0.02),
                 {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
         {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.7, f"{LAW}v_s": 0.02,
          f"{LAW}sigma_0": 2e4, f"{LAW}sigma_1": 60.0},
-        waved("slide", 1.5), "loads.push.signal", 2e-5,
+        waved("slide", 1.5, 0.5, 2.5), "loads.push.signal", 2e-5,
     ),
     "fast": Case(
         machine(law("stribeck", 1e3, sigma_2=3.5, F_c=0.9, F_s=1.4, v_s=0.02), {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
         {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.6, f"{LAW}v_s": 0.008},
-        waved("fast", 3.0), "loads.push.signal", 3e-4,
+        waved("fast", 3.0, 0.5, 2.5), "loads.push.signal", 3e-4,
     ),
     "upright": Case(
         machine(law("coulomb_viscous", 200.0, F_c=0.3, sigma_2=0.1), {"arm": {"inertia": 0.1, "initial": {"y": 0.05, "v": 0.0}}},

@@ -28,8 +28,9 @@ from stribeck.identify.options import FitOptions
 from stribeck.identify.plan import motion
 from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
+from tests.identify import rig
 
-STEP = 1e-3
+STEP = rig.STEP
 # seconds of the LuGre record; recordings of the joint; constant-speed files and rows of each; rows of the one record
 USUAL, QUICK = (25.0, 16, 54, 28_000, (50_000, 10_000_000)), (3.0, 2, 6, 2_800, (5_000, 1_100_000))
 JOINT = {"links.gear.damping": 0.1, f"{records.LAW}F_s": 1.0, f"{records.LAW}v_s": 0.3}
@@ -37,12 +38,12 @@ JOINT = {"links.gear.damping": 0.1, f"{records.LAW}F_s": 1.0, f"{records.LAW}v_s
 
 def lugre_log(seconds: float) -> Log:
     """Reversals of several sizes, then strokes of several speeds, over and over."""
-    tests = [*(records.loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (1.0, 4.0, 20.0)),
-             *map(records.stroke, np.geomspace(2e-4, 0.1, 15).tolist())]  # fmt: skip
-    _, v = motion(tests, STEP / records.FINER)
-    count = round(seconds / STEP) * records.FINER + 1
-    moves = np.arange(count) * STEP / records.FINER, np.resize(v, count)
-    return experiment(find("lugre")(records.RIG), moves, Sensors(force_noise=0.1), seed=1, every=records.FINER).log
+    tests = [*(rig.loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (1.0, 4.0, 20.0)),
+             *map(rig.stroke, np.geomspace(2e-4, 0.1, 15).tolist())]  # fmt: skip
+    _, v = motion(tests, STEP / rig.FINER)
+    count = round(seconds / STEP) * rig.FINER + 1
+    moves = np.arange(count) * STEP / rig.FINER, np.resize(v, count)
+    return experiment(find("lugre")(rig.TRUTH), moves, Sensors(force_noise=0.1), seed=1, every=rig.FINER).log
 
 
 def lugre(seconds: float) -> Callable[[], object]:

@@ -80,6 +80,8 @@ STATIC = ("coulomb_viscous", "stribeck", "stribeck_tanh", "makkar")
 
 
 def friction(law, c, w, z):
+    if callable(law):  # a function of the speed
+        return 0.0, law(w)
     return (0.0, static(law, c, w)) if law in STATIC else bristles(law, c, w, z)
 
 
