@@ -9,8 +9,21 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from measure import Given, in_turn, run, say, spread, timed
-from peers import Solve, Solver, Stribeck, casadi, cvode, error_of, installed, loosest, numbalsoda, odeint, solve_ivp
+from measure import Given, run, say, spread, timed
+from peers import (
+    Solve,
+    Solver,
+    Stribeck,
+    casadi,
+    cvode,
+    installed,
+    loosest,
+    numbalsoda,
+    odeint,
+    race,
+    solve_ivp,
+    tried,
+)  # fmt: skip
 from problems import Problem, chain, drive
 
 from stribeck import simulate
@@ -33,30 +46,27 @@ def measured(problem: Problem, makers: dict[str, Callable[[Problem], Solve]], re
     made, missing = installed({name: partial(make, problem) for name, make in makers.items()})
     solvers = [Solver("stribeck", "", own.simulate, (None,))]
     solvers += [Solver(name, "", solve, (1.0,)) for name, (solve, _) in made.items()]
-    ways, found = {}, {}
+    found = []
     for solver in solvers:
-        share = solver.shares[0]
-        error = partial(error_of, solver, share=share, exact=exact)
+        tries = partial(tried, solver, share=solver.shares[0], exact=exact)
         try:
-            found[solver.name] = rtol, _ = loosest(SERIES, error, ERROR)
+            found.append(loosest(SERIES, tries, lambda choice: choice.errors.max() <= ERROR))
         except ArithmeticError as reason:
             missing[solver.name] = str(reason)
-            continue
-        ways[solver.name] = partial(solver.at, rtol, share)
     for name, why in missing.items():
         say(f"{name} left out: {why}")
-    seconds = {name: np.array([s.cpu for s in x]) for name, x in in_turn(ways, repetitions).items()}
+    race(found, repetitions, lambda choice, _: timed(choice.run))
+    seconds = [np.array([t.cpu for t in choice.times.values()]) for choice in found]
     return [
-        {"solver": name, "rtol": rtol, "error": reached, "seconds": spread(seconds[name].tolist()),
-         "against_stribeck": float(np.median(seconds[name] / seconds["stribeck"]))}
-        for name, (rtol, reached) in found.items()
+        {"solver": choice.solver.name, "rtol": choice.rtol, "error": float(choice.errors.max()),
+         "seconds": spread(taken.tolist()), "against_stribeck": float(np.median(taken / seconds[0]))}
+        for choice, taken in zip(found, seconds, strict=True)
     ]  # fmt: skip
 
 
 def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
     """Time to write the C, to compile it, and to solve, by size."""
     rows, chosen = [], compiler.find()
-    assert chosen is not None
     for count in sizes:
         problem = chain(count)
         scenario = problem.scenario.with_changes({"solve.rtol": 1e-8})

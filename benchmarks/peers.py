@@ -6,6 +6,7 @@ A call takes rtol, atol and what the problem's pieces have of their own, and ret
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -14,7 +15,7 @@ from types import SimpleNamespace
 from typing import Any, TypeVar
 
 import numpy as np
-from measure import version
+from measure import Seconds, say, timed, version
 from problems import SIGMA_0, Array, Problem, Rates
 
 import stribeck
@@ -232,10 +233,6 @@ class Solver:
     like: str | None = None
     made_in: float | None = None
 
-    def at(self, rtol: float, share: float | None) -> Array:
-        """Solve once."""
-        return self.solve(rtol, None if share is None else share * rtol)
-
 
 class Stribeck:
     """The compiled simulator of this project."""
@@ -300,18 +297,60 @@ def available(problem: Problem) -> tuple[list[Solver], dict[str, str]]:
     return outcome, missing
 
 
-def error_of(solver: Solver, rtol: float, share: float | None, exact: Array) -> float:
-    """The largest error over the rows, as a part of each column's range; infinite where the solver gives up."""
+@dataclass
+class Choice:
+    """A solver with its tolerances.
+
+    Attributes:
+        errors: the largest of each column over the rows, as a part of its range; or those at neighboring tolerances.
+        took: what a run takes.
+        times: what it took in the repetitions.
+    """
+
+    solver: Solver
+    rtol: float
+    atol: float | None
+    errors: Array
+    took: Seconds
+    times: dict[int, Seconds] = field(default_factory=dict)
+
+    @property
+    def error(self) -> float:
+        """The typical error."""
+        return float(np.median(self.errors))
+
+    def run(self) -> Array:
+        """Solve once."""
+        return self.solver.solve(self.rtol, self.atol)
+
+
+def tried(solver: Solver, rtol: float, share: float | None, exact: Array) -> Choice:
+    """A solver after one run at a ratio atol/rtol; its error is infinite where it gives up."""
+    choice = Choice(solver, rtol, None if share is None else share * rtol, np.full(1, math.inf), Seconds(0.0, 0.0))
+    rows: list[Array] = []
     try:
-        difference = solver.at(rtol, share) - exact
+        choice.took = timed(lambda: rows.append(choice.run()))
     except ArithmeticError:
-        return math.inf
-    return float(np.max(np.max(np.abs(difference), axis=0) / np.max(np.abs(exact), axis=0)))
+        return choice
+    exact = exact[:, : rows[0].shape[1]]
+    off = np.abs(np.nan_to_num(rows[0], nan=math.inf) - exact)
+    choice.errors = np.max(off, axis=0) / np.max(np.abs(exact), axis=0)
+    return choice
 
 
-def loosest(rtols: Iterable[float], error: Callable[[float], float], most: float) -> tuple[float, float]:
-    """The first of tolerances, ever tighter, that keeps the error, and the error there."""
+def loosest(rtols: Iterable[float], tries: Callable[[float], Choice], keeps: Callable[[Choice], bool]) -> Choice:
+    """The first of tolerances, ever tighter, that keeps the error."""
     for rtol in rtols:
-        if (reached := error(rtol)) <= most:
-            return rtol, reached
-    raise ArithmeticError(f"no tolerance gives an error of {most:g} of the range")
+        if keeps(choice := tries(rtol)):
+            return choice
+    raise ArithmeticError("no tolerance of the scan keeps the error")
+
+
+def race(choices: Iterable[Choice], repetitions: int, run: Callable[[Choice, int], Seconds | None]) -> None:
+    """Time all in turn, in random order in every repetition; ``run`` gives none where a slow one takes no part."""
+    each = list(choices)
+    for repetition in range(repetitions):
+        for choice in random.sample(each, len(each)):
+            if (took := run(choice, repetition)) is not None:
+                choice.times[repetition] = took
+        say(f"repetition {repetition + 1} of {repetitions}")

@@ -15,16 +15,15 @@ from __future__ import annotations
 
 import math
 import os
-import random
 import statistics
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from measure import Given, Seconds, keep, kept, run, say, spread, timed
-from peers import BASE, Solver, Stribeck, available, error_of, solve_ivp
+from peers import BASE, Choice, Solver, Stribeck, available, race, solve_ivp, tried
 from problems import Array, limit_cycle
 
 PROBLEM = limit_cycle(250.0, 0.05)
@@ -39,22 +38,6 @@ TRUSTED = (LIMIT / 3, 1.5 * LIMIT)  # typical errors between which kept toleranc
 BLOCK = 0.03  # s: a solver's calls within a repetition take about so long together; their median counts
 MOST_CALLS = 15
 SLOW, FEW = 0.4, 5  # solvers slower than so many s take part in so many repetitions only
-
-
-@dataclass
-class Choice:
-    """A solver with the tolerances found for it, and its times by repetition."""
-
-    solver: Solver
-    rtol: float
-    atol: float | None
-    error: float
-    quick: float
-    times: dict[int, Seconds] = field(default_factory=dict)
-
-    def run(self) -> Array:
-        """Solve once."""
-        return self.solver.solve(self.rtol, self.atol)
 
 
 def reference() -> tuple[Array, dict[str, Any]]:
@@ -85,27 +68,21 @@ def tolerances(solvers: list[Solver], y: Array, rescan: bool) -> tuple[list[Choi
     choices: dict[str, Choice] = {}
     failed, before = {}, {} if rescan else kept()
     for solver in solvers:
-        choice = like(solver, choices) or from_kept(solver, before.get(solver.name), y)
+        if same := choices.get(solver.like or ""):
+            choice = Choice(solver, same.rtol, same.atol, same.errors, same.took)
+            choice.took = seconds(choice.run, 2)
+        else:
+            choice = from_kept(solver, before.get(solver.name), y)
         if choice is None:
             say(f"scan for the tolerances of {solver.name}")
             choice = scan(solver, y)
-            if choice is not None and choice.quick >= QUICK:
+            if choice is not None and choice.took.cpu >= QUICK:
                 keep(solver.name, choice.rtol, choice.atol or 0.0)
         if choice is None:
             failed[solver.name] = f"no tolerance of the scan gives an error of {LIMIT:g} of the range"
         else:
             choices[solver.name] = choice
     return list(choices.values()), failed
-
-
-def like(solver: Solver, choices: dict[str, Choice]) -> Choice | None:
-    """The tolerances of the solver that this one says it is like."""
-    if solver.like not in choices:
-        return None
-    same = choices[solver.like]
-    choice = Choice(solver, same.rtol, same.atol, same.error, 0.0)
-    choice.quick = seconds(choice.run, 2).cpu
-    return choice
 
 
 def from_kept(solver: Solver, found: dict[str, float] | None, y: Array) -> Choice | None:
@@ -115,56 +92,46 @@ def from_kept(solver: Solver, found: dict[str, float] | None, y: Array) -> Choic
     share = found["atol"] / found["rtol"]
     per_decade, reach = COARSE
     nearby = [found["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
-    error = statistics.median(error_of(solver, rtol, share, y) for rtol in nearby)
-    if not TRUSTED[0] <= error <= TRUSTED[1]:
+    errors = np.array([tried(solver, rtol, share, y).error for rtol in nearby])
+    choice = Choice(solver, found["rtol"], found["atol"], errors, Seconds(0.0, 0.0))
+    if not TRUSTED[0] <= choice.error <= TRUSTED[1]:
         return None
-    choice = Choice(solver, found["rtol"], found["atol"], error, 0.0)
-    choice.quick = seconds(choice.run, 1).cpu
+    choice.took = seconds(choice.run, 1)
     return choice
 
 
 def scan(solver: Solver, y: Array) -> Choice | None:
     """The tolerances for the limit, with the share at which they are the fastest; None where there are none."""
     choices = [choice for share in solver.shares if (choice := scan_share(solver, share, y)) is not None]
-    return min(choices, key=lambda choice: choice.quick, default=None)
+    return min(choices, key=lambda choice: choice.took, default=None)
 
 
 def scan_share(solver: Solver, share: float | None, y: Array) -> Choice | None:
     """The loosest rtol from which on the typical error keeps the limit."""
-    per_decade, reach = FINE if is_quick(solver, share) else COARSE
-    rtols: list[float] = []
-    errors: list[float] = []
+    once = partial(tried, solver, solver.loosest / 10, share, y)
+    per_decade, reach = FINE if seconds(once, 3).cpu < QUICK else COARSE
+    tries: list[Choice] = []
     passed, exponent = 0, math.log10(solver.loosest)
     while passed <= per_decade / 2 and exponent > TIGHTEST:
-        rtols.append(10**exponent)
-        errors.append(error_of(solver, rtols[-1], share, y))
-        passed = passed + 1 if errors[-1] < LIMIT / 10 else 0
+        tries.append(tried(solver, 10**exponent, share, y))
+        passed = passed + 1 if tries[-1].error < LIMIT / 10 else 0
         exponent -= 1 / per_decade
-    typical = [statistics.median(errors[max(i - reach, 0) : i + reach + 1]) for i in range(len(errors))]
-    first = max((i + 1 for i, error in enumerate(typical) if error > LIMIT), default=0)
-    if first == len(rtols):
+    every = np.array([choice.error for choice in tries])
+    for i, choice in enumerate(tries):
+        choice.errors = every[max(i - reach, 0) : i + reach + 1]
+    first = max((i + 1 for i, choice in enumerate(tries) if choice.error > LIMIT), default=0)
+    if first == len(tries):
         return None
-    rtol = rtols[first]
-    choice = Choice(solver, rtol, None if share is None else share * rtol, typical[first], 0.0)
-    choice.quick = min(timed(choice.run).cpu for _ in range(15 if per_decade == FINE[0] else 2))
+    choice = tries[first]
+    choice.took = min(timed(choice.run) for _ in range(15 if per_decade == FINE[0] else 2))
     return choice
 
 
-def is_quick(solver: Solver, share: float | None) -> bool:
-    """Whether the scan can afford many points."""
-    rtol = solver.loosest / 10
-    return seconds(lambda: error_of(solver, rtol, share, np.ones(1)), 3).cpu < QUICK
-
-
-def measure(choices: list[Choice], repetitions: int) -> None:
-    """Time all solvers, interleaved."""
-    for repetition in range(repetitions):
-        for choice in random.sample(choices, len(choices)):
-            if choice.quick > SLOW and repetition >= FEW:
-                continue
-            calls = min(max(math.ceil(BLOCK / choice.quick), 1), MOST_CALLS)
-            choice.times[repetition] = seconds(choice.run, calls)
-        say(f"repetition {repetition + 1} of {repetitions}")
+def timing(choice: Choice, repetition: int) -> Seconds | None:
+    """What a solver takes in a repetition: the median of calls that fill a block of time; of a slow one in a few only."""
+    if choice.took.cpu > SLOW and repetition >= FEW:
+        return None
+    return seconds(choice.run, min(max(math.ceil(BLOCK / choice.took.cpu), 1), MOST_CALLS))
 
 
 def entry(choice: Choice, base: Choice) -> dict[str, Any]:
@@ -193,7 +160,7 @@ def benchmark(given: Given) -> dict[str, Any]:
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
             raise SystemExit(f"{BASE}: {missing[BASE]}")
-        measure(choices, given.repetitions)
+        race(choices, given.repetitions, timing)
     lines = [entry(choice, choices[0]) for choice in choices]
     return {
         "benchmark": "limit cycle, one simulation",
