@@ -12,7 +12,6 @@ import ctypes
 import json
 import math
 import time
-from copy import deepcopy
 from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -24,7 +23,7 @@ import stribeck
 from stribeck.arrays import Array
 from stribeck.loops.judge import IRREGULAR, judge
 from stribeck.loops.loop import loop_of
-from tests.machine.machines import edited
+from tests.machine.machines import edited, law, machine
 from tests.reference.apart import solve
 
 AWAY = 0.05
@@ -42,29 +41,18 @@ FIELDS = dict.fromkeys(
 Data = dict[str, Any]
 
 
-def axis(random: np.random.Generator, controller: Data, contact: Data | None = None) -> Data:
+def axis(random: np.random.Generator) -> Data:
     """A mass on a guide under a controller."""
-    mass, level = 10 ** random.uniform(-0.3, 0.7), 10 ** random.uniform(0, 1)
-    sigma_0 = 10 ** random.uniform(3.7, 4.7)
-    law = {
-        "name": "lugre",
-        "parameters": {
-            "sigma_0": sigma_0, "sigma_1": float(2 * random.uniform(0.3, 0.8) * np.sqrt(sigma_0 * mass)),
-            "sigma_2": float(random.uniform(0.3, 3) * mass), "F_c": level, "F_s": level * random.uniform(1.2, 1.6),
-            "v_s": 10 ** random.uniform(-2.5, -1.7),
-        },
-    }  # fmt: skip
-    own = {
-        "on": "a",
-        "measures": "a",
-        "signal": {"kind": "step", "time": 0.0, "value": random.uniform(0.5, 1.5)},
-        **controller,
-    }
-    return {
-        "schema": 2, "name": "attack", "bodies": {"a": {"mass": mass}},
-        "contacts": {"guide": {"from": "a", "law": contact or law}}, "controllers": {"hold": own}, "solve": {"t_end": 1.0},
-        "output": {"step": 0.01},
-    }  # fmt: skip
+    mass, level, sigma_0 = 10 ** random.uniform(-0.3, 0.7), 10 ** random.uniform(0, 1), 10 ** random.uniform(3.7, 4.7)
+    guide = law(
+        "lugre", sigma_0=sigma_0, sigma_1=float(2 * random.uniform(0.3, 0.8) * np.sqrt(sigma_0 * mass)),
+        sigma_2=float(random.uniform(0.3, 3) * mass), F_c=level, F_s=level * random.uniform(1.2, 1.6),
+        v_s=10 ** random.uniform(-2.5, -1.7),
+    )  # fmt: skip
+    signal = {"kind": "step", "time": 0.0, "value": random.uniform(0.5, 1.5)}
+    hold = {"kind": "pid", "on": "a", "measures": "a", "signal": signal}
+    contacts, controllers = {"guide": {"from": "a", "law": guide}}, {"hold": hold}
+    return machine({"a": {"mass": mass}}, 1.0, 100, energy=False, contacts=contacts, controllers=controllers)
 
 
 def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, str]]:
@@ -73,19 +61,19 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
     for i in range(count):
         kind = ("integral", "stiction", "damping", "delay", "encoder")[i % 5]
         w, damping = 10 ** random.uniform(0.3, 1.0), random.uniform(0.7, 1.2)
-        data = axis(random, {"kind": "pid"})
+        data = axis(random)
         m, own = data["bodies"]["a"]["mass"], data["controllers"]["hold"]
-        law = data["contacts"]["guide"]["law"]["parameters"]
+        friction = data["contacts"]["guide"]["law"]["parameters"]
         own |= {"K_p": m * w**2, "K_d": 2 * damping * w * m}
-        own["signal"]["value"] = float(random.uniform(8, 20) * law["F_s"] / own["K_p"])  # enough to break away
-        routh = own["K_p"] * (own["K_d"] + law["sigma_2"]) / m
+        own["signal"]["value"] = float(random.uniform(8, 20) * friction["F_s"] / own["K_p"])  # enough to break away
+        routh = own["K_p"] * (own["K_d"] + friction["sigma_2"]) / m
         if kind == "delay":
             period = 0.05 / w
             own |= {"sampling": {"period": period, "delay": period}, "limit": 1e3 * m * w**2}
             vary = f"controllers.hold.sampling.delay={period / 2}:{2 / w}"
         elif kind == "encoder":
             period = 0.02 / w
-            own |= {"K_i": random.uniform(0.02, 0.3) * routh, "limit": 50 * law["F_s"]}
+            own |= {"K_i": random.uniform(0.02, 0.3) * routh, "limit": 50 * friction["F_s"]}
             own["sampling"] = {"period": period, "delay": period / 2, "resolution": own["signal"]["value"] / 5000}
             vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{10 * own['K_d']}"
         elif kind == "integral":
@@ -93,7 +81,7 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
             vary = f"controllers.hold.K_i={0.03 * routh}:{3 * routh}"
         elif kind == "stiction":
             own |= {"K_i": 0.25 * routh}
-            law["F_s"] = 1.3 * law["F_c"]
+            friction["F_s"] = 1.3 * friction["F_c"]
             vary = f"contacts.guide.law.parameters.F_s={law['F_c']}:{2 * law['F_c']}"
         else:
             own |= {"K_i": 0.2 * routh}
@@ -133,8 +121,8 @@ def solver() -> ctypes.CDLL:
 
 def against_scipy(data: Data, seconds: float) -> float:
     """The largest difference of the two simulators apart, as a share of the travel."""
-    data, sampling = deepcopy(data), data["controllers"]["hold"].get("sampling")
-    data["solve"]["t_end"], data["output"]["step"] = seconds, sampling["period"] if sampling else seconds / ROWS
+    sampling = data["controllers"]["hold"].get("sampling", {"period": seconds / ROWS})
+    data = edited(data, {"solve.t_end": seconds, "output.step": sampling["period"]})
     y, result = Apart(data).on(seconds)[0], solve(data, 1e-9)["a.y"]
     count = min(len(y), len(result))
     return float(np.abs(y[:count] - result[:count]).max() / np.ptp(result))
@@ -242,9 +230,7 @@ def by_chance(each: Asked, got: str, moved: float) -> bool:
 def reversal(data: Data) -> float:
     """The largest error within an eighth of a period after the reversals of the machine's sine, but its first wave."""
     T = 1 / data["controllers"]["hold"]["signal"]["frequency"]
-    data = deepcopy(data)
-    data["solve"]["t_end"], data["output"]["step"] = 4 * T, T / 1000
-    solution = solve(data, 1e-9)
+    solution = solve(edited(data, {"solve.t_end": 4 * T, "output.step": T / 1000}), 1e-9)
     t, e = np.asarray(solution["t"]), np.asarray(solution["hold.r"]) - np.asarray(solution["a.y"])
     near = ((t / T - 0.25) % 0.5 <= 0.125) & (t >= T)
     return float(np.abs(e[near]).max())
@@ -252,7 +238,7 @@ def reversal(data: Data) -> float:
 
 def compensation(random: np.random.Generator, sampled: bool = False) -> list[Data]:
     """The factor by which each compensation lowers the error after a reversal: stated, and found."""
-    data = axis(random, {"kind": "pid"})
+    data = axis(random)
     m, w = data["bodies"]["a"]["mass"], 10 ** random.uniform(0.8, 1.3)
     frequency = w / 2 / np.pi / 15
     own = data["controllers"]["hold"] | {"K_p": m * w**2, "K_d": 1.6 * w * m}
@@ -266,15 +252,14 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
     rows, before = [], reversal(data)
     for c in result.compensations:
         table = c.loop.scenario.data["controllers"]["hold"].get("compensation")
-        other = deepcopy(data)
         if c.dither is not None:
-            other["controllers"]["hold"]["dither"] = {n: c.dither[n] for n in ("kind", "amplitude", "frequency")}
+            given = {"controllers.hold.dither": {n: c.dither[n] for n in ("kind", "amplitude", "frequency")}}
         elif table is not None:
-            other["controllers"]["hold"]["compensation"] = {**deepcopy(table), "share": c.share}
+            given = {"controllers.hold.compensation": {**table, "share": c.share}}
         else:
             continue
         text = result.compensations[0].reversal_error / c.reversal_error
-        got = before / reversal(other)
+        got = before / reversal(edited(data, given))
         rows.append(
             {"kind": c.kind, "share": c.share, "said": text, "found": got, "agrees": bool(abs(got / text - 1) <= 0.2)}
         )

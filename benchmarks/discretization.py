@@ -12,7 +12,7 @@ import math
 import re
 import tempfile
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import metadata
 from pathlib import Path
 from time import process_time
@@ -133,17 +133,13 @@ def measure(known: dict[str, dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for name, way, integrator in WAYS:
         exported, exact = Exported(name), known[name]
         for step in STEPS:
-
-            def moved(push: Push, t_end: float, given: Any = (exported, way, integrator, step)) -> Motion:
-                c, way, integrator, dt = given
-                return run_in_mujoco(way, integrator, push, t_end, dt) if integrator else c.run(way, push, t_end, dt)
-
+            moved = partial(run_in_mujoco, way, integrator) if integrator else partial(exported.run, way)
             started = process_time()
-            t, y, v, force = moved(lambda t, y: 2 * (0.1 * t - y), 40.0)
+            t, y, v, force = moved(lambda t, y: 2 * (0.1 * t - y), 40.0, step)
             seconds, every = process_time() - started, round(4e-3 / step)
             work = float(np.sum(2 * (0.1 * t[:-1] - y[:-1]) * np.diff(y)))
-            top = first_maximum(moved(lambda t, y: 5 * t, 0.5)[3])
-            dithered = moved(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0)[1]
+            top = first_maximum(moved(lambda t, y: 5 * t, 0.5, step)[3])
+            dithered = moved(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0, step)[1]
             yield {
                 "law": name, "way": way, "integrator": integrator, "step": step,
                 "stick_slip_max_error": float(np.max(abs(y[::every] - exact["stick_slip"]["y"]))),
@@ -162,13 +158,8 @@ def benchmark(given: Given) -> dict[str, Any]:
     for row in measure(known):
         rows.append(row)
         say(str(row))
-    own = known["lugre"]
-    reference = {
-        "stick_slip_peak": own["stick_slip"].peaks["y"], "break_away": first_maximum(own["break_away"]["F"]),
-        "drift": float(own["dither"]["y"][-1]),
-    }  # fmt: skip
     about = {"mujoco": metadata.version("mujoco")}
-    finish(given, {**about, "reference": reference, "rows": [r for r in rows if r["integrator"]]}, stem="in_mujoco")
+    finish(given, {**about, "rows": [r for r in rows if r["integrator"]]}, stem="in_mujoco")
     named = [{**r, "way": f"MuJoCo {r['integrator']}"} if r["way"] == "dcmotor" else r for r in rows]
     without = {**about, "rows": [r for r in named if "callback" not in r["way"]]}
     return json.loads(json.dumps(without), parse_constant=lambda word: None)

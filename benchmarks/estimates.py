@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import static_records as records
+from intervals import holds
 from measure import Given, run, say, write
 
 from stribeck.identify.api import read_log
@@ -46,12 +47,6 @@ def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]
     curve = SteadyCurve(law, {}, ())
     choice = chosen([(record_of(rows_of(log), ("offset",), {}), curve)])
     return judged(choice), choice.library.levels
-
-
-def holds(e: Estimate, truth: float, how: str) -> bool:
-    """Whether an interval or a range holds the truth."""
-    low, high = getattr(e, how)
-    return bool(low <= truth <= high)
 
 
 def usable(name: str, e: Estimate) -> bool:
@@ -85,7 +80,7 @@ def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
                 low, high = e.range or e.interval
                 yield {
                     "kind": what, "law": law, "name": name, "state": str(e.state), "level": name in speeds,
-                    "interval": holds(e, x, "interval"), "range": holds(e, x, "range"), "usable": usable(name, e),
+                    "interval": holds(e.interval, x), "range": holds((low, high), x), "usable": usable(name, e),
                     "half": (high - low) / 2 / max(abs(e.value), 1e-300) if np.isfinite(high) else None,
                 }  # fmt: skip
 
@@ -106,14 +101,12 @@ def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, fl
     complete = seed // 8 % 2 == 0
     kind = ("belt", "directions", "bristles", "gms")[seed // 16 % 4]
     force = (records.complete if complete else records.OTHER_KINDS[kind][1])(draw, m, at)
-    force = force + m["mass"] * at[2] + m["offset"]
-    rows, e = slice(records.WITHIN // 2, None, records.WITHIN), m["encoder"]
-    y, force, logs = at[0][rows], force[rows], []
+    logs = []
     for _ in range(2):
-        seen = e * np.round((y + e * draw.uniform(-0.5, 0.5) + 0.3 * e * draw.standard_normal(len(y))) / e)
-        t = np.arange(len(y)) * records.STEP
-        noise = m["noise"] * draw.standard_normal(len(y))
-        logs.append(read_log({"t": t, "y": seen, "F": force + noise}, ColumnNames(NAMES)))
+        columns = records.sensed(
+            draw, m, at, force + m["mass"] * at[2] + m["offset"], m["encoder"] * draw.uniform(-0.5, 0.5)
+        )
+        logs.append(read_log(columns, ColumnNames(NAMES)))
     names = ("mass", "offset", "F_c", "sigma_2", *(("F_s", "v_s") if seed % 2 else ()))
     yield logs, "stribeck" if seed % 2 else "coulomb_viscous", {n: m[n] for n in names} if complete else {}
 
@@ -128,7 +121,7 @@ def agreements(family: str, seed: int) -> Iterator[dict[str, Any]]:
             if name in ("v_s", "k_v"):
                 half = [h / e[name].value for h, e in zip(half, (a, b), strict=True)]
                 apart = abs(np.log(a[name].value / b[name].value))
-            held = [holds(e[name], truth[name], "interval") for e in (a, b)] if name in truth else []
+            held = [holds(e[name].interval, truth[name]) for e in (a, b)] if name in truth else []
             yield {"name": name, "apart": float(apart / max(np.hypot(*half), 1e-300)), "holds": held}
 
 
@@ -147,19 +140,13 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
             for log, r in zip(logs, rows, strict=True)
         ]
     else:
-        kinds, rig, record = {
-            "rigs": (records.RIGS, records.rig, records.rig_record),
-            "kinds": (records.UNSEEN, records.unseen_rig, records.unseen_record),
-        }[family]
-        kind = kinds[seed % len(kinds)]
+        kinds, rig, record = records.MEASURED[family]
+        kind = list(kinds)[seed % len(kinds)]
         m = rig(draw, kind)
         results = [record(m, kind, draw) for _ in range(4)]
         logs = [read_log(c, ColumnNames(NAMES)) for c in results]
         rows = [np.flatnonzero(~at_rest(log)) for log in logs]
-        seen = []
-        for c, log in zip(results, logs, strict=True):
-            (v, a, w), inside = records.measured(c), records.in_motion(c, log)
-            seen.append((v[inside], a[inside], c["F"][inside], w[inside]))
+        seen = [records.measured(c, log) for c, log in zip(results, logs, strict=True)]
     plain = []
     for way in (records.least_squares, records.tanh_stribeck):
         for weigh in (False, True) if seen[0][3].shape[1] else (False,):
@@ -178,41 +165,35 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
         }  # fmt: skip
 
 
+def means(found: list[dict[str, Any]], prefix: str, *keys: str) -> dict[str, float]:
+    """How many there are, and the share of each key; nothing of none."""
+    return {f"{prefix}n": len(found), **{f"{prefix}{k}": np.mean([e[k] for e in found]) for k in keys}} if found else {}
+
+
 def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
     """The counts of a family."""
+    out: dict[str, float] = {}
     if family in FAMILIES:
         own, levels = ([e for e in found if e["level"] is level] for level in (False, True))
-        out = {
-            "n": len(own), "interval": np.mean([e["interval"] for e in own]), "range": np.mean([e["range"] for e in own]),
-            "usable": np.mean([e["usable"] for e in own]),
-        }  # fmt: skip
-        complete = [e["interval"] for e in own if e["kind"] in ("complete", "nothing")]
-        if complete:
-            out |= {"complete n": len(complete), "complete interval": np.mean(complete)}
+        out |= means(own, "", "interval", "range", "usable")
+        out |= means([e for e in own if e["kind"] in ("complete", "nothing")], "complete ", "interval")
         for name, state in (("F_s", EstimateState.AT_LEAST), ("v_s", EstimateState.AT_MOST)):
-            one_sided = [e["range"] for e in own if e["name"] == name and e["state"] == state]
-            two_sided = [e["range"] for e in own if e["name"] == name and e["state"] != state]
-            for label, hold in ((f"{name} two-sided", two_sided), (f"{name} {state}", one_sided)):
-                out |= {f"{label} n": len(hold), f"{label} holds": float(np.mean(hold))} if hold else {}
+            for label in ("two-sided", state):
+                some = [e for e in own if e["name"] == name and (e["state"] == state) == (label == state)]
+                out |= means([{"holds": e["range"]} for e in some], f"{name} {label} ", "holds")
+        out |= means(levels, "levels ", "range", "usable")
         if levels:
-            half = [e["half"] for e in levels if e["half"] is not None]
-            out |= {
-                "levels n": len(levels), "levels range": np.mean([e["range"] for e in levels]),
-                "levels usable": np.mean([e["usable"] for e in levels]), "levels half width": np.median(half),
-            }  # fmt: skip
+            out["levels half width"] = np.median([e["half"] for e in levels if e["half"] is not None])
     elif family in PAIRS:
-        apart, held = np.array([e["apart"] for e in found]), [h for e in found for h in e["holds"]]
-        out = {"n": len(apart), "agree": np.mean(apart <= 1), "median difference": np.median(apart)}
-        out |= {"complete n": len(held), "complete interval": np.mean(held)} if held else {}
+        apart = np.array([e["apart"] for e in found])
+        out |= {"n": len(apart), "agree": np.mean(apart <= 1), "median difference": np.median(apart)}
+        out |= means([{"interval": held} for e in found for held in e["holds"]], "complete ", "interval")
     else:
-        out = {}
         for prefix, some in (("", (True, False)), ("inside ", (False,)), ("outside ", (True,))):
-            x = np.array([e["worse"] for e in found if e["outside"] in some])
-            of_all = {
-                "n": len(x), "mean log ratio": x.mean(), "within 1 %": np.mean(x <= 0.01), "within 5 %": np.mean(x <= 0.05),
-                "worst": x.max(),
-            } if len(x) else {}  # fmt: skip
-            out |= {f"{prefix}{name}": value for name, value in of_all.items()}
+            x = [e["worse"] for e in found if e["outside"] in some]
+            rows = [{"mean log ratio": w, "within 1 %": w <= 0.01, "within 5 %": w <= 0.05} for w in x]
+            out |= means(rows, prefix, "mean log ratio", "within 1 %", "within 5 %")
+            out |= {f"{prefix}worst": max(x)} if x else {}
     return {name: round(float(value), 4) for name, value in out.items()}
 
 
@@ -230,7 +211,7 @@ def benchmark(given: Given) -> dict[str, Any]:
         kept[family] = {"first": given.first, "seeds": given.count, **counts}
         write(given.out, {**kept, "machine": given.machine})
         say(f"{family}: {counts}")
-    return kept
+    return {**kept, "machine": given.machine}
 
 
 if __name__ == "__main__":

@@ -40,14 +40,9 @@ MODEL = """<mujoco><option timestep="{step}" gravity="0 0 0" integrator="implici
 <geom type="box" size=".05 .05 .05" mass="1" contype="0" conaffinity="0"/></body></worldbody></mujoco>"""
 WORLDS = 4096
 ON_A_GPU = (4096, 65_536)
+# loads: held at 0.9 N m; a ramp to break-away; a sine of 3 N m at 0.5 Hz
+HELD, RAMP, SINE = (lambda t: 0.9 * min(t, 1.0)), (lambda t: 2.0 * t), (lambda t: 3.0 * np.sin(np.pi * t))
 STEPS = (2e-3, 5e-3, 1e-2, 2e-2)
-
-
-def drive(kind: str, t: float) -> float:
-    """The load: held at 0.9 N m; a ramp to break-away; a sine of 3 N m at 0.5 Hz."""
-    if kind == "hold":
-        return 0.9 * min(t, 1.0)
-    return 2.0 * t if kind == "ramp" else 3.0 * np.sin(np.pi * t)
 
 
 @dataclass(frozen=True)
@@ -188,8 +183,6 @@ def exported(target: str) -> Any:
     path = Path(tempfile.mkdtemp()) / f"friction_{target}.py"
     export(LAW, target, path)
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -211,17 +204,17 @@ ENGINES: dict[str, Callable[..., Engine]] = {
 def behavior(make: Any, step: float, seconds: float) -> dict[str, float]:
     """Creep under 0.9 N m, m/s; the load at which it moves by 0.1 mm on a ramp, N; energy drawn in 4 s of the sine, J."""
     rig = make(step)
-    q = [rig(drive("hold", k * step))[0] for k in range(round((2 + seconds) / step))]
+    q = [rig(HELD(k * step))[0] for k in range(round((2 + seconds) / step))]
     creep = (q[-1] - q[round(2 / step)]) / seconds
     rig, load, k = make(step), 0.0, 0
     while load < 4.0:
-        load = drive("ramp", k * step)
+        load = RAMP(k * step)
         k += 1
         if rig(load)[0] > 1e-4:
             break
     rig, energy, before = make(step), 0.0, 0.0
     for k in range(round(4.0 / step)):
-        push = drive("sine", k * step)
+        push = SINE(k * step)
         now, _ = rig(push)
         energy, before = energy + push * (now - before), now
     return {"creep": creep, "break_away": load, "energy": energy}

@@ -16,7 +16,7 @@ from measure import RESULTS, machine
 
 FAMILIES = {
     "speed": ("single", "ensemble", "machines", "sampled", "majorants", "startup", "backends", "explorer", "fit_speed"),
-    "accuracy": ("default_tolerance", "promise"),
+    "accuracy": ("promise",),
     "export": ("instructions", "discretization", "learning"),
     "verdicts": ("verdicts", "design_attack"),
     "fits": ("estimates", "intervals"),

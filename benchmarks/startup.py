@@ -9,16 +9,12 @@ from __future__ import annotations
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from measure import Given, Process, process, run, say, spread
 
 from stribeck import examples
-
-Prepared = Callable[[], tuple[Path, list[str]]]  # the cache folder, and further arguments
-Case = tuple[list[str], Prepared]
 
 
 def stribeck() -> list[str]:
@@ -30,25 +26,17 @@ def stribeck() -> list[str]:
     return [result]
 
 
-def cases(folder: Path) -> dict[str, Case]:
-    """The commands."""
-    scenario, filled = examples.path("limit_cycle"), folder / "filled"
-
-    def fresh() -> Path:
-        return Path(tempfile.mkdtemp(prefix="fresh-", dir=folder))
-
-    def with_out(cache: Path) -> tuple[Path, list[str]]:
-        return cache, ["--out", str(fresh())]
-
-    simulate = [*stribeck(), "run", str(scenario), "--json"]
+def cases() -> dict[str, tuple[list[str], bool, bool]]:
+    """Commands, whether their cache is filled, and whether they write a folder."""
+    simulate = [*stribeck(), "run", str(examples.path("limit_cycle")), "--json"]
     return {
-        "python -c pass": ([sys.executable, "-c", "pass"], lambda: (filled, [])),
-        "python -c 'import numpy'": ([sys.executable, "-c", "import numpy"], lambda: (filled, [])),
-        "stribeck --help": ([*stribeck(), "--help"], lambda: (filled, [])),
-        "run --json, cached": (simulate, lambda: (filled, [])),
-        "run --json, new": (simulate, lambda: (fresh(), [])),
-        "run --json --out, cached": (simulate, lambda: with_out(filled)),
-        "run --json --out, new": (simulate, lambda: with_out(fresh())),
+        "python -c pass": ([sys.executable, "-c", "pass"], True, False),
+        "python -c 'import numpy'": ([sys.executable, "-c", "import numpy"], True, False),
+        "stribeck --help": ([*stribeck(), "--help"], True, False),
+        "run --json, cached": (simulate, True, False),
+        "run --json, new": (simulate, False, False),
+        "run --json --out, cached": (simulate, True, True),
+        "run --json --out, new": (simulate, False, True),
     }
 
 
@@ -60,13 +48,13 @@ def figures(name: str, processes: list[Process]) -> dict[str, Any]:
 
 def benchmark(given: Given) -> dict[str, Any]:
     """Run every command once unmeasured, then all in turn."""
+    done: dict[str, list[Process]] = {name: [] for name in cases()}
     with tempfile.TemporaryDirectory() as folder:
-        measured = cases(Path(folder))
-        done: dict[str, list[Process]] = {name: [] for name in measured}
         for repetition in range(given.repetitions + 1):
-            for name, (command, prepare) in measured.items():
-                cache, arguments = prepare()
-                done[name].append(process([*command, *arguments], STRIBECK_CACHE=str(cache)))
+            for name, (command, cached, writes) in cases().items():
+                cache = Path(folder) / "filled" if cached else tempfile.mkdtemp(dir=folder)
+                more = ["--out", tempfile.mkdtemp(dir=folder)] if writes else []
+                done[name].append(process([*command, *more], STRIBECK_CACHE=str(cache)))
             say(f"repetition {repetition} of {given.repetitions}")
     lines = [figures(name, processes[1:]) for name, processes in done.items()]
     return {"benchmark": "start-up, whole processes", "cases": lines}

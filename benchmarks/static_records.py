@@ -123,30 +123,30 @@ def speed_record(m: Constants, v: np.ndarray, draw: Draw) -> Columns:
     }  # fmt: skip
 
 
-def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray | None = None) -> Any:
+def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray) -> Any:
     """Mass, Coulomb, viscous and offset, and columns ``beside`` these."""
 
-    def columns(v: np.ndarray, a: np.ndarray, beside: np.ndarray | None = None) -> np.ndarray:
-        return np.column_stack([a, np.sign(v), v, np.ones(len(v)), *([] if beside is None else beside.T)])
+    def columns(v: np.ndarray, a: np.ndarray, beside: np.ndarray) -> np.ndarray:
+        return np.column_stack([a, np.sign(v), v, np.ones(len(v)), *beside.T])
 
     result = np.linalg.lstsq(columns(v, a, beside), force, rcond=None)[0]
-    return lambda v, a, beside=None: columns(v, a, beside) @ result
+    return lambda v, a, beside: columns(v, a, beside) @ result
 
 
-def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray | None = None) -> Any:
+def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray) -> Any:
     """The same with a Stribeck curve and a smooth sign."""
 
     def curve(x: Any, mass: float, f_c: float, df: float, v_s: float, width: float, s2: float, *rest: float) -> Any:
         level = f_c + df * np.exp(-((x[0] / v_s) ** 2))
-        further = 0.0 if x[2] is None else x[2] @ np.array(rest[1:])
+        further = x[2] @ np.array(rest[1:])
         return mass * x[1] + level * np.tanh(x[0] / width) + s2 * x[0] + rest[0] + further
 
-    start = [1, 8, 2, 0.1, 0.01, 1, 0, *([] if beside is None else [0] * beside.shape[1])]
+    start = [1, 8, 2, 0.1, 0.01, 1, 0, *[0] * beside.shape[1]]
     try:
         result, _ = curve_fit(lambda _, *p: curve((v, a, beside), *p), v, force, start, maxfev=5000)
     except RuntimeError:
         return None
-    return lambda v, a, beside=None: curve((v, a, beside), *result)
+    return lambda v, a, beside: curve((v, a, beside), *result)
 
 
 def away_from_rest(log: Log) -> np.ndarray:
@@ -394,6 +394,13 @@ OTHER_KINDS: dict[str, tuple[bool | None, Callable[..., np.ndarray] | None, tupl
 }
 
 
+def sensed(draw: Draw, m: Constants, at: Motion, force: np.ndarray, shift: float = 0.0) -> Columns:
+    """What an encoder, shifted, and a force sensor measure."""
+    y, force = at[0][WITHIN // 2 :: WITHIN], force[WITHIN // 2 :: WITHIN]
+    y = m["encoder"] * np.round((y + shift + 0.3 * m["encoder"] * draw.standard_normal(len(y))) / m["encoder"])
+    return {"t": np.arange(len(y)) * STEP, "y": y, "F": force + m["noise"] * draw.standard_normal(len(y))}
+
+
 def other_record(kind: str, seed: int) -> tuple[Columns, Constants, str]:
     """A record, the truth of each number that has one, and its motion."""
     draw = np.random.default_rng([seed, list(OTHER_KINDS).index(kind)])
@@ -405,13 +412,8 @@ def other_record(kind: str, seed: int) -> tuple[Columns, Constants, str]:
         at, force = servo(draw, m, at)
     else:
         force = friction(draw, m, at) + m["mass"] * at[2] + m["offset"]
-    rows = slice(WITHIN // 2, None, WITHIN)
-    y, force = at[0][rows], force[rows]
-    scale = m["encoder"]
-    y = np.round((y + 0.3 * scale * draw.standard_normal(len(y))) / scale) * scale
-    force = force + m["noise"] * draw.standard_normal(len(force))
     truth = {n: m[n] for n in (*KNOWN_OF_ALL, *further) if m["F_s"] > m["F_c"] or n not in ("F_s", "v_s")}
-    return {"t": np.arange(len(y)) * STEP, "y": y, "F": force}, truth, moves
+    return sensed(draw, m, at, force), truth, moves
 
 
 # -- rigs with encoders -----------------------------------------------------------------------------------------------
@@ -458,39 +460,20 @@ def rig_record(m: Constants, kind: str, draw: Draw) -> Columns:
     return {"t": t, "y": m["step"] * np.round(y / m["step"]), "F": force + m["noise"] * draw.standard_normal(len(t))}
 
 
-def measured(columns: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Speed, acceleration, and the columns of a weight, as SciPy alone has them."""
+def measured(columns: Columns, log: Log) -> tuple[np.ndarray, ...]:
+    """Speed, acceleration, force, and the columns of a weight, as SciPy alone has them, where the log moves."""
     y, h = columns["y"], float(columns["t"][1] - columns["t"][0])
-    rows = 2 * round(WINDOW / h / 2) + 1
+    inside, rows = np.searchsorted(columns["t"], log.time[~at_rest(log)] - 1e-9), 2 * round(WINDOW / h / 2) + 1
     v, a = (savgol_filter(y, rows, 3, deriv, h) for deriv in (1, 2))
-    return v, a, np.column_stack([np.sin(y), np.cos(y)])
-
-
-def in_motion(columns: Columns, log: Log) -> np.ndarray:
-    """The rows of a record in which its log moves, by their time."""
-    return np.searchsorted(columns["t"], log.time[~at_rest(log)] - 1e-9)
+    return v[inside], a[inside], columns["F"][inside], np.column_stack([np.sin(y), np.cos(y)])[inside]
 
 
 # -- rigs of other kinds ----------------------------------------------------------------------------------------------
 
-UNSEEN = (
-    "gap",
-    "shaft",
-    "warms",
-    "weight and spring",
-    "spring",
-    "current",
-    "two ripples",
-    "slow",
-    "short",
-    "long",
-    "50 Hz",
-    "dahl",
-)
-UNSEEN_STEP, UNSEEN_SECONDS = (
-    {"50 Hz": 0.02, "long": 0.01},
-    {"short": 3.0, "long": 1800.0},
-)  # s; the others 2 ms and 15 s
+USUAL = (2e-3, 15.0)  # step and duration of a record, s
+UNSEEN = dict.fromkeys(("gap", "shaft", "warms", "weight and spring", "spring", "current", "two ripples", "slow"), USUAL) | {
+    "short": (2e-3, 3.0), "long": (0.01, 1800.0), "50 Hz": (0.02, 15.0), "dahl": USUAL,
+}  # fmt: skip
 SLOW = 0.05  # times the rates and the speeds of the others
 
 
@@ -538,7 +521,8 @@ def yielding(m: Constants, y: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def unseen_record(m: Constants, kind: str, draw: Draw) -> Columns:
     """What is measured of a motion."""
-    t = np.arange(0, UNSEEN_SECONDS.get(kind, 15.0), UNSEEN_STEP.get(kind, 2e-3))
+    step, lasts = UNSEEN[kind]
+    t = np.arange(0, lasts, step)
     at = sines(draw, (0.1, 1.5), (0.1, 1.0), slow=SLOW if kind == "slow" else 1.0)
     y, v, inertia = at.way(t), at.v(t), m["mass"] * at.a(t)
     force = inertia + smooth_curve(m, v)
@@ -558,3 +542,6 @@ def unseen_record(m: Constants, kind: str, draw: Draw) -> Columns:
     if kind == "current":
         force = m["current"] * np.round(force / m["current"])
     return {"t": t, "y": m["step"] * np.round(y / m["step"]), "F": force}
+
+
+MEASURED = {"rigs": (RIGS, rig, rig_record), "kinds": (UNSEEN, unseen_rig, unseen_record)}

@@ -1,7 +1,5 @@
 """The exported models in MuJoCo itself: its own LuGre, and the callback for every law, against Stribeck's simulation."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,6 @@ from tests.laws.test_sanity import CANUDAS, make
 
 mujoco = pytest.importorskip("mujoco")
 from tests.exports.in_mujoco import load, run  # noqa: E402
-
-RESULTS = Path(__file__).parent.parent.parent / "benchmarks" / "results" / "in_mujoco.json"
 
 
 @pytest.fixture(autouse=True)
