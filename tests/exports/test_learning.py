@@ -76,15 +76,8 @@ def test_kernels(name, tmp_path):
 
 
 ELASTIC = {
-    "sigma_0": 2e4,
-    "sigma_1": 20.0,
-    "sigma_2": 0.02,
-    "F_c": 1.0,
-    "F_s": 1.5,
-    "v_s": 0.01,
-    "k_v": 1e6,
-    "z_ba": 4e-5,
-}
+    "sigma_0": 2e4, "sigma_1": 20.0, "sigma_2": 0.02, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01, "k_v": 1e6, "z_ba": 4e-5,
+}  # fmt: skip
 
 
 def module(target, folder, of=None):

@@ -31,14 +31,8 @@ def sine(amplitude, frequency):
 def rig(**contact):
     """A body that is pushed by two forces, on which its friction depends."""
     own = {"loads": LOADS, "factors": FACTORS, **contact}
-    return Scenario(
-        machine(
-            {"a": {"mass": 0.5}},
-            energy=False,
-            contacts={"rub": {"from": "a", "law": law(v_d=0.1), **own}},
-            loads={"press": sine(4.0, 3.0), "push": sine(3.0, 2.0)},
-        )
-    )
+    rub, loads = {"from": "a", "law": law(v_d=0.1), **own}, {"press": sine(4.0, 3.0), "push": sine(3.0, 2.0)}
+    return Scenario(machine({"a": {"mass": 0.5}}, energy=False, contacts={"rub": rub}, loads=loads))
 
 
 RIG = rig()

@@ -28,15 +28,11 @@ def test_a_contact_that_turns_is_on_a_hinge(tmp_path):
 
 def simulated(law, drive, t_end, step):
     own = {n: x for n, x in law.values.items() if n in law.own_constants() and x is not None}
-    return stribeck.simulate(
-        stribeck.Scenario(
-            law={"name": law.name, **own, "parameters": CANUDAS},
-            plant={"mass": 1.0},
-            drive=drive,
-            solve={"t_end": t_end},
-            output={"step": step},
-        )
+    table, times = (
+        {"name": law.name, **own, "parameters": CANUDAS},
+        {"solve": {"t_end": t_end}, "output": {"step": step}},
     )
+    return stribeck.simulate(stribeck.Scenario(law=table, plant={"mass": 1.0}, drive=drive, **times))
 
 
 LUGRE = stribeck.law("lugre", "canudas1995")

@@ -62,17 +62,9 @@ def test_callback_in_c(tmp_path, monkeypatch):
     home = Path(mujoco.__file__).parent
     (library,) = home.glob("libmujoco.so.*")
     flags = [
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O2",
-        "-shared",
-        "-fPIC",
-        f"-I{home / 'include'}",
-        "-o",
+        "-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", "-shared", "-fPIC", f"-I{home / 'include'}", "-o",
         "callback.so",
-    ]
+    ]  # fmt: skip
     command = [compiler, *flags, "callback.c", "lugre_majorant.c", str(library), f"-Wl,-rpath,{home}", "-lm"]
     subprocess.run(command, check=True, cwd=tmp_path)
     in_c = ctypes.CDLL(str(tmp_path / "callback.so"))

@@ -38,13 +38,8 @@ def by_hand(node, values):
         return node.value
     args = [by_hand(arg, values) for arg in node.args]
     names = {
-        "add": np.add,
-        "sub": np.subtract,
-        "mul": np.multiply,
-        "div": np.divide,
-        "neg": np.negative,
-        "pow": np.power,
-    }
+        "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "pow": np.power,
+    }  # fmt: skip
     names |= {"lt": np.less, "le": np.less_equal, "abs": np.abs}
     return (names.get(node.op) or getattr(ops, node.op))(*args)
 

@@ -15,16 +15,7 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
     y, v, a, load, pressure = draw.uniform(-1, 1, (5, 7))
     t = np.arange(7.0)
     log = Log(t, y, v, a, np.zeros(7), np.zeros(7, np.int32), load, pressure, step=1.0)
-    known = {
-        "y": y,
-        "v": v,
-        "a": a,
-        "N": load,
-        "p": pressure,
-        "sin": np.sin,
-        "cos": np.cos,
-        "sign": np.sign,
-    }
+    known = {"y": y, "v": v, "a": a, "N": load, "p": pressure, "sin": np.sin, "cos": np.cos, "sign": np.sign}
     for name, term in TERMS.items():
         if term.column is None:
             continue

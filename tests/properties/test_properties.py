@@ -86,17 +86,8 @@ positive = st.floats(-3, 3).map(lambda x: 10.0**x)
 def test_lugre_is_passive_exactly_above_its_condition(sigma_0, sigma_1, F_c, ratio, distance, side):
     condition = sigma_1 * (ratio * F_c - F_c) / F_c
     sigma_2 = condition * (1 + side * 10.0**distance) + 1e-300
-    law = law_with(
-        "lugre",
-        {
-            "sigma_0": 1e4 * sigma_0,
-            "sigma_1": sigma_1,
-            "sigma_2": max(sigma_2, 0.0),
-            "F_c": F_c,
-            "F_s": ratio * F_c,
-            "v_s": 1e-3,
-        },
-    )
+    levels = {"F_c": F_c, "F_s": ratio * F_c, "v_s": 1e-3}
+    law = law_with("lugre", {"sigma_0": 1e4 * sigma_0, "sigma_1": sigma_1, "sigma_2": max(sigma_2, 0.0), **levels})
     assert own_energy_serves(law) == (side > 0)
     assert Storage(law, None, law.z_bound(law.p)).exists == (side > 0)
 

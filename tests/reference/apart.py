@@ -300,14 +300,8 @@ class Sampler:
         if c.get("compensation", {}).get("speed") == "measured":
             table = c["compensation"].get("law") or m.contacts[c["compensation"]["contact"]]["law"]
             own = constants(table)
-            solution = solve_ivp(
-                lambda t, z: [friction(table["name"], own, v, z[0])[0]],
-                (0, self.T),
-                [self.zh],
-                "LSODA",
-                rtol=1e-11,
-                atol=1e-16,
-            )
+            rate = lambda t, z: [friction(table["name"], own, v, z[0])[0]]  # noqa: E731
+            solution = solve_ivp(rate, (0, self.T), [self.zh], "LSODA", rtol=1e-11, atol=1e-16)
             self.zh = float(solution.y[0, -1])
         self.k += 1
         return min(max(u, -limit), limit)

@@ -88,14 +88,8 @@ def test_a_law_keeps_its_choices_where_it_is_simulated_for_another_purpose():
     v = 1e-3 * np.sin(2 * np.pi * t)
     truth = {law: experiment(law, (t, v)).log.force for law in (plain, other)}
     assert np.abs(truth[plain] - truth[other]).max() > 1e-3
-    simulated = stribeck.simulate(
-        Scenario(
-            law=other,
-            drive={"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": v.tolist()}},
-            solve={"t_end": 1.0},
-            output={"step": 1e-3},
-        )
-    )
+    drive = {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": v.tolist()}}
+    simulated = stribeck.simulate(Scenario(law=other, drive=drive, solve={"t_end": 1.0}, output={"step": 1e-3}))
     np.testing.assert_allclose(truth[other], simulated["F"], atol=1e-12)
 
 

@@ -348,16 +348,7 @@ def whole_certificates():
     ]
     unused = [
         claim(
-            "switching",
-            1,
-            1,
-            "=0",
-            a="u",
-            b="w",
-            there=[["u", "w"]],
-            condition=["lt", "u", "w"],
-            axis="z",
-            side=1,
+            "switching", 1, 1, "=0", a="u", b="w", there=[["u", "w"]], condition=["lt", "u", "w"], axis="z", side=1,
             order=1,
         ),
         *(claim("excess", 1, 1, ">=0", k="1", above="1", N="1", tree=tree) for tree in trees),
@@ -365,7 +356,7 @@ def whole_certificates():
         claim("slope sign", 0, 1, ">=0", slope="z"),
         claim("divisor", 1, 1, "!=0", expression="u"),
         claim("finite", 1, 0, ">=0", sign=1, a="0", b="1", k=1),
-    ]
+    ]  # fmt: skip
     result = {name: make() for name, (make, _) in RIGHT.items()}
     for each in result.values():
         each["claims"] = [*each["claims"][:1], *unused]

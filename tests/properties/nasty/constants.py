@@ -84,13 +84,8 @@ class Valve(BristleLaw):
 
     truth = "unique bounded -smooth -passive -drift_free"
     values_changed = {
-        "sigma_0": 1.038e9,
-        "sigma_1": 2.442e5,
-        "sigma_2": 7.048e4,
-        "F_c": 669.9,
-        "F_s": 942.1,
-        "v_s": 3.22e-3,
-    }
+        "sigma_0": 1.038e9, "sigma_1": 2.442e5, "sigma_2": 7.048e4, "F_c": 669.9, "F_s": 942.1, "v_s": 3.22e-3,
+    }  # fmt: skip
     dz_dt = staticmethod(lugre)
 
 
