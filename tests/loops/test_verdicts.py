@@ -8,6 +8,7 @@ from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of, time_constant
 from stribeck.loops.starts import from_starts
+from tests.loops.axis import axis
 from tests.machine.machines import law, machine
 
 SOFT = {"sigma_0": 1e5, "sigma_1": 316.22776601683796, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
@@ -31,6 +32,17 @@ def cascade(**more):
 def test_a_motion_that_grows_on_its_way_to_rest_is_quiet():
     sampling = {"period": 1e-3, "delay": 1e-3, "resolution": 1e-6}
     assert judge(cascade(K_v=100.0, T_i=0.05, sampling=sampling))[0].verdict == "quiet"
+
+
+def test_the_body_that_moves_is_named():
+    """Beside an axis at rest, negative damping shakes a body on a spring."""
+    data = axis()
+    data["bodies"]["b"] = {"mass": 1.0}
+    data["links"] = {"spring": {"from": "b", "to": "ground", "stiffness": 100.0, "damping": 3.0}}
+    shaken = {**data["controllers"]["hold"], "on": "b", "K_p": 10.0, "K_d": -9.0, "limit": 1.0}
+    data["controllers"]["shaken"] = shaken
+    (result,) = judge(loop_of(Scenario(data)))
+    assert (result.verdict, result.body) == ("unstable", "b")
 
 
 @pytest.mark.thorough

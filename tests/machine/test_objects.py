@@ -113,6 +113,11 @@ def test_a_law_of_ones_own_in_a_contact():
     )
     assert machine.scenario(1.0).law.values["F_c"] == 1.0
     assert "mass 1 kg" in machine.show()
+    contacts = {"c": machine["c"], "d": machine["c"].to_table()}
+    scenario = st.Scenario(
+        schema=2, bodies={"a": {"mass": 1.0}}, contacts=contacts, solve={"t_end": 1.0}, output={"step": 0.1}
+    )
+    assert scenario.elements.contacts["c"] is machine["c"], "a later class of the same name took its place"
 
 
 def test_a_law_does_not_change():

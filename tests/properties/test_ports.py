@@ -188,12 +188,25 @@ def test_the_elastic_range_is_the_smallest_that_there_is():
     assert refusals(result.certificate, result.law, "drift_free") == []
 
 
-@pytest.mark.parametrize("name", ["F_c", "F_s", "level"])
-def test_a_level_below_the_elastic_range_is_refused(name):
+def by_signal(kind, last):
+    return {"signal": {"kind": kind, "t": [0, 2], "value": [1.0, last]}}
+
+
+SINE = {"signal": {"kind": "sine", "amplitude": -0.5, "offset": 1.0, "frequency": 1.0}}
+CASES = [
+    ("F_c", by_signal("points", 0.5), "8e-05.*to 5e-05"), ("F_s", by_signal("points", 0.5), "8e-05.*to 7.5e-05"),
+    *(("level", x, "8e-05.*to 5e-05") for x in (by_signal("point_to_point", 0.5), SINE)),
+    *(("z_ba", by_signal(kind, 1.5), "0.00012.*to 0.0001") for kind in ("points", "point_to_point")),
+    *(("z_ba", x, "0.00012.*to 0.0001") for x in (SINE, {"amplitude": [-0.5], "waves": [3]})),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "factor", "ends"), CASES)
+def test_a_level_below_the_elastic_range_is_refused(name, factor, ends):
     """With g below z_ba no z is plastic, and it grows without end: it was said to be bounded where F_s fell."""
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
-    with pytest.raises(InputError, match=rf"mesh\.factors\.{name}: z_ba .*must stay below F_[cs]/sigma_0") as reported:
-        stribeck.check(varying(law, **{name: (1.0, 0.5)}))
+    with pytest.raises(InputError, match=rf"factors\.{name}: z_ba .up to {ends}$") as reported:
+        stribeck.check(machine(law, factors={name: factor}))
     assert len(reported.value.problems) == 1
 
 

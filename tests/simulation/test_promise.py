@@ -169,7 +169,7 @@ def test_a_body_within_the_play_of_a_link_stays_where_it_is():
     assert "accuracy" not in solution.message
 
 
-@pytest.mark.parametrize("share", [1e-10, 1e-16, 1e-20])
+@pytest.mark.parametrize("share", [1e-5, 1e-10, 1e-16])
 def test_a_body_that_moves_far_less_than_another(share):
     """It has the promised accuracy of its own peak down to 1e-12 of the largest motion, and then that of this size."""
     law = {"name": "lugre", "parameters": NEARLY}

@@ -31,8 +31,11 @@ def test_a_gap_is_crossed_as_the_samples_around_tell():
     assert abs(np.interp(t, result.t, result.x) - x).max() < 0.05 * straight
     assert 0 < off(result) < 0.1  # and it is known how well
     rng = np.random.default_rng(0)
-    noise = rng.standard_normal(401)
-    assert off(bridged(t[some], noise[some])) > 0.3
+    noise = 3 * rng.standard_normal(401)
+    assert off(bridged(t[some], noise[some])) == pytest.approx(3, rel=0.3)
+    few = np.r_[0, 1, 18, 19]
+    assert off(bridged(t[few], noise[few])) == pytest.approx(np.std(noise[few]))  # nothing around tells more
+    assert len(bridged(np.delete(t, 150), np.delete(x, 150)).t) == 401
     whole = bridged(t, x)
     assert len(whole.t) == 401
     assert not len(whole.others)
