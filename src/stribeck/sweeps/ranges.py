@@ -63,9 +63,7 @@ class Range:
 
     def _scaled(self, share: Array) -> Array:
         if self.log:
-            ratio = self.last / self.first  # overflows for ends too far apart; the decades are then less exact
-            valid = 0 < ratio < math.inf
-            decades = math.log10(ratio) if valid else math.log10(self.last) - math.log10(self.first)
+            decades = math.log10(self.last) - math.log10(self.first)
             values = 10 ** (math.log10(self.first) + decades * share)
         elif math.isinf(self.last - self.first):
             values = self.first * (1 - share) + self.last * share
