@@ -50,7 +50,6 @@ def benchmark(given: Given) -> dict[str, Any]:
             first[backend] = {"first": cold, "again": warm}
         lines.append({"example": name, "ratio": spread(ratios), "off": off, "process": first})
     mean = math.exp(statistics.fmean(math.log(line["ratio"]["median"]) for line in lines))
-    print(f"geometric mean of the ratios: {mean:.2f}")
     return {"geometric_mean": mean, "examples": lines}
 
 

@@ -260,9 +260,8 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
             continue
         text = result.compensations[0].reversal_error / c.reversal_error
         got = before / reversal(edited(data, given))
-        rows.append(
-            {"kind": c.kind, "share": c.share, "said": text, "found": got, "agrees": bool(abs(got / text - 1) <= 0.2)}
-        )
+        agrees = bool(abs(got / text - 1) <= 0.2)
+        rows.append({"kind": c.kind, "share": c.share, "said": text, "found": got, "agrees": agrees})
         say(json.dumps(rows[-1]))
     return rows
 
@@ -276,7 +275,6 @@ def benchmark(given: Given) -> dict[str, Any]:
     for kind, data, vary in machines(random, given.machines):
         differences.append(against_scipy(data, CHUNK * loop_of(stribeck.Scenario(data)).slowest))
         rows += verdicts(kind, data, vary, random)
-    print(f"the simulator apart differs from SciPy by at most {max(differences, default=0.0):.1g} of the travel")
     about = {"seed": given.seed, "seconds": round(time.process_time() - begun), "difference_to_scipy": differences}
     return {**about, "verdicts": rows, "factors": factors}
 

@@ -96,11 +96,10 @@ def at_once(count: int) -> Solve:
 def solvers(quick: bool) -> tuple[list[Solver], dict[str, str]]:
     """What can be measured here, and why the rest cannot."""
     share = 10 if quick else 1
-    threads = threads_of_this_machine()
-    vectors = f"simulate_ensemble, vectors of {width()}"
+    vectors, threads = f"vectors of {width()}", f"on {threads_of_this_machine()} threads"
     results = [
-        Solver(ONE, vectors, own(1, LANES // share), (None,), OWN_LOOSEST),
-        Solver(ALL, f"simulate_ensemble on {threads} threads", own(None, LANES // share), (None,), like=ONE),
+        Solver(ONE, f"simulate_ensemble, {vectors}", own(1, LANES // share), (None,), OWN_LOOSEST),
+        Solver(ALL, f"simulate_ensemble {threads}", own(None, LANES // share), (None,), like=ONE),
         Solver(SCALAR, "native.solve lane by lane, 1 thread", scalar_loop(250 // share), (None,), like=ONE),
     ]
     makers: dict[str, tuple[str, str, Callable[[], Solve]]] = {
@@ -175,7 +174,6 @@ def entry(choice: Choice, scalar: Choice) -> dict[str, Any]:
         "made_in_seconds": choice.solver.made_in,
         "cpu_milliseconds": spread([1e3 * t.cpu / lanes for t in times.values()]),
         "wall_milliseconds": spread([1e3 * t.wall / lanes for t in times.values()]),
-        "trajectories_per_second": spread([lanes / t.wall for t in times.values()]),
         "cpu_ratio_to_scalar_loop": spread([slow / fast for slow, fast in pairs]),
     }
 

@@ -12,7 +12,10 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import Given, run, say, spread
+from measure import Given, run, spread
+
+from stribeck import Scenario, examples
+from stribeck.explore import explore
 
 _SIZES = {"desk, 1280 x 1000": (1280, 1000, False), "phone, 390 x 844": (390, 844, True)}
 
@@ -98,12 +101,8 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
 
 def benchmark(given: Given) -> dict[str, Any]:
     """Every size of window."""
-    from stribeck import Scenario, examples
-    from stribeck.explore import explore
-
     with tempfile.TemporaryDirectory() as folder:
         page = explore(Scenario.load(examples.path("stick_slip")), Path(folder) / "page.html", ())
-        say(f"the page: {page.stat().st_size / 1e6:.2f} MB")
         cases = {name: drags(page, size, given.repetitions) for name, size in _SIZES.items()}
     return {"benchmark": "the explorer", "cases": cases}
 

@@ -8,6 +8,8 @@ files of constant speed, and one record, short or very long, with a law and with
 from __future__ import annotations
 
 import os
+import re
+import subprocess
 import sys
 import tempfile
 import time
@@ -17,7 +19,7 @@ from typing import Any
 
 import dynamic_records as records
 import numpy as np
-from measure import Given, process, run, say
+from measure import Given, environment, run, say
 
 from stribeck import fit
 from stribeck.identify.actuator import Logs, fit_machine
@@ -87,9 +89,22 @@ def saved(path: Path, v: np.ndarray, seed: int) -> str:
 
 def static(folder: Path, files: list[str], law: str) -> Callable[[], float]:
     """A whole command: reading, fit, intervals, pictures and page. Gives the most memory that it took, GB."""
-    words = ["fit", *files, "--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
+    names = ["--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
+    words = [sys.executable, "-m", "stribeck", "fit", *files, *names]
     words += ["--law", law] if law else []
-    return lambda: process([sys.executable, "-m", "stribeck", *words]).megabytes / 1e3
+
+    def command() -> float:
+        peak = 0
+        with subprocess.Popen(words, stdout=subprocess.DEVNULL, env=environment()) as child:
+            # looked at while it runs: its usage at the end would count the memory of this process, too
+            while child.poll() is None:
+                high = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{child.pid}/status").read_text())
+                peak = int(high[1]) if high else peak
+                time.sleep(0.05)
+        assert child.returncode == 0, words
+        return peak * 1024 / 1e9
+
+    return command
 
 
 def benchmark(given: Given) -> dict[str, Any]:

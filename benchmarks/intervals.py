@@ -93,9 +93,8 @@ def of_machine(name: str, lacks: str, fault: str, seed: int) -> Found:
         t, y, u = case.record(draw, truth, size, term)
         t, y, u = records.FAULTS[fault](t, y, u, draw) if fault else (t, y, u)
         every = 2 if fault == "coarse input" else 1
-        outputs = {
-            "arm.y" if name != "belt" else "motor.y": Channel("y", t, y + case.noise * draw.standard_normal(len(y)))
-        }
+        sensor = "motor.y" if name == "belt" else "arm.y"
+        outputs = {sensor: Channel("y", t, y + case.noise * draw.standard_normal(len(y)))}
         inputs = {case.drive: Channel("u", t[::every], u[::every], held=case.held)}
         recordings.append(Recording(f"run{i}", t, outputs, inputs, case.known(size)))
     sought = tuple(Sought(n, x / 8, 8 * x) for n, x in case.usual.items())

@@ -79,7 +79,6 @@ def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
             "bodies": count, "states": len(scenario.system.states), "write_s": writing, "compile_s": compiling,
             "steps": solution.stats["accepted"], "solvers": measured(problem, FOR_CHAIN, repetitions),
         })  # fmt: skip
-        say(f"chain of {count}: {writing + compiling:.2f} s to build")
     return rows
 
 

@@ -54,12 +54,16 @@ class Process(NamedTuple):
     megabytes: float
 
 
+def environment(**more: str) -> dict[str, str]:
+    """The environment of a command that is timed: bytecode is kept, as an installed package has it."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | more
+
+
 def process(command: list[str], **more: str) -> Process:
-    """Run a command; ``more``: of its environment. Bytecode is kept, as an installed package has it."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | more
+    """Run a command; ``more``: of its environment."""
     quiet: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     started = perf_counter()
-    with subprocess.Popen(command, env=environment, **quiet) as child:
+    with subprocess.Popen(command, env=environment(**more), **quiet) as child:
         assert child.stderr is not None
         complaint = child.stderr.read()
         _, status, usage = os.wait4(child.pid, 0)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Given, in_turn, run, say, spread
+from measure import Given, in_turn, run, spread
 
 from stribeck import Scenario, simulate
 from stribeck.examples import path
@@ -51,7 +51,6 @@ def measured(name: str, scenarios: dict[str, Scenario], repetitions: int) -> lis
     steps = {way: simulate(scenario).stats["accepted"] for way, scenario in scenarios.items()}
     taken = in_turn({way: partial(simulate, scenario) for way, scenario in scenarios.items()}, repetitions)
     seconds = {way: np.array([s.cpu for s in x]) for way, x in taken.items()}
-    say(f"{name}: done")
     return [
         {"machine": name, "encoder": way, "steps": steps[way], "seconds": spread(x.tolist()),
          "ratio": spread((x / seconds["continuous"]).tolist())}

@@ -40,12 +40,6 @@ def cases() -> dict[str, tuple[list[str], bool, bool]]:
     }
 
 
-def figures(name: str, processes: list[Process]) -> dict[str, Any]:
-    """A case's line of the results."""
-    cpu, wall, megabytes = (list(x) for x in zip(*processes, strict=True))
-    return {"case": name, "seconds": spread(wall), "cpu_seconds": spread(cpu), "peak_megabytes": max(megabytes)}
-
-
 def benchmark(given: Given) -> dict[str, Any]:
     """Run every command once unmeasured, then all in turn."""
     done: dict[str, list[Process]] = {name: [] for name in cases()}
@@ -56,7 +50,12 @@ def benchmark(given: Given) -> dict[str, Any]:
                 more = ["--out", tempfile.mkdtemp(dir=folder)] if writes else []
                 done[name].append(process([*command, *more], STRIBECK_CACHE=str(cache)))
             say(f"repetition {repetition} of {given.repetitions}")
-    lines = [figures(name, processes[1:]) for name, processes in done.items()]
+    lines = []
+    for name, processes in done.items():
+        cpu, wall, megabytes = zip(*processes[1:], strict=True)
+        lines.append(
+            {"case": name, "seconds": spread(wall), "cpu_seconds": spread(cpu), "peak_megabytes": max(megabytes)}
+        )
     return {"benchmark": "start-up, whole processes", "cases": lines}
 
 

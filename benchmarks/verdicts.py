@@ -235,21 +235,15 @@ def _own(
     return own
 
 
-def law_of(name: str, values: dict[str, float]) -> Any:
-    """A built-in law; ``lugre_majorant/sqrt`` names the majorant too."""
-    law, _, majorant = name.partition("/")
-    return stribeck.law(law, values, **({"smooth_abs": majorant} if majorant else {}))
-
-
 def builtin(kind: str, given: Any) -> Iterator[Row]:
     """A row for each built-in law with sets of one kind."""
     for name in BUILTIN:
-        row = Row(f"{kind} {name}")
+        row, (plain, _, majorant) = Row(f"{kind} {name}"), name.partition("/")
         for k in range(given.sets):
             values = SETS[kind](random.Random(f"{given.seed} {kind} {name} {k}"), name)
             row.sets += 1
             try:
-                law = law_of(name, values)
+                law = stribeck.law(plain, values, **({"smooth_abs": majorant} if majorant else {}))
             except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
                 continue
             row.judge(f"{name} {values}", law, truth_of(name, values))
