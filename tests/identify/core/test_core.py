@@ -120,7 +120,7 @@ def test_a_curve_is_the_steady_force_of_its_law(name, own, size):
 
 
 def test_given_constants_are_taken_off_the_force():
-    given = {"mass": 2.0, "sigma_2": 12.0}
+    given = {"mass": 2.0, "sigma_2": 12.0, "offset": 0.7}
     fitted = judged(choice_of(record(9), given=given))
     assert not given.keys() & fitted.keys()
     assert inside(fitted["F_c"], 5.0, "range")

@@ -136,7 +136,8 @@ def _candidate(
     rows = rows[:: max(1, len(rows) // MOST_ROWS)]
     columns = forms(seen, lib.at) if keys else {}
     body = body_columns(seen, [*lib.body, *given])
-    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(columns[k]()[rows] for k in keys)])
+    beside = [*(body[m][rows] for m in lib.body), *(columns[k]()[rows] for k in keys)]
+    rest = np.column_stack([np.empty((len(rows), 0)), *beside])
     force = seen.force - sum((c * body[m] for m, c in given.items()), np.zeros(len(seen)))
     law = LawColumns(curve, seen.velocity[rows], np.asarray)
     shape, y, _ = optimum(law, lib.shape(model, x), rest, force[rows])

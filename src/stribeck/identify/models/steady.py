@@ -247,7 +247,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     axes = {n: np.geomspace(*ranges[n], c) for n, c in zip(curve.shapes, CELLS[len(curve.shapes)], strict=True)}
     mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
     shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
-    body = np.column_stack(list(record.body.values()))
+    body = np.column_stack([np.empty((len(record.force), 0)), *record.body.values()])
     best, at_nodes = shapes[0], []
     least, law = np.inf, record.of(curve)
     for shape in shapes:
