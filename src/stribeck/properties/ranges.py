@@ -62,7 +62,7 @@ def _of_points(t: Array, value: Array, t_end: float) -> tuple[Fraction, Fraction
             share = (Fraction(cut) - Fraction(float(t[i - 1]))) / (Fraction(float(t[i])) - Fraction(float(t[i - 1])))
             extremes.append(a + share * (b - a))
         else:
-            extremes.append(Fraction(float(value[min(max(i - 1, 0), len(t) - 1)])))
+            extremes.append(Fraction(float(value[max(i - 1, 0)])))
     return min(extremes), max(extremes)
 
 

@@ -212,7 +212,7 @@ def _as_free_as_possible(
             chosen, least = best, error
         if error <= _HIDDEN**2:
             break
-    chosen.notes += [why] if why and chosen is not free else []
+    chosen.notes += [why] if chosen is not free else []
     return chosen
 
 
