@@ -28,6 +28,7 @@ def log():
 def test_a_table_in_memory_is_fitted_as_a_file_is(tmp_path):
     pd.DataFrame(table()).to_csv(tmp_path / "log.csv", index=False)
     tables = table(), pd.DataFrame(table()), pd.DataFrame(table()).convert_dtypes()
+    tables[0]["v"].setflags(write=False)  # as where another program holds the memory
     of_file, *of_tables = (
         stribeck.fit(data, "coulomb_viscous", units={"v": "mm/s"}, **COLUMNS)["F_c"].value
         for data in (tmp_path / "log.csv", *tables)

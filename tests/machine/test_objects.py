@@ -139,6 +139,7 @@ def test_every_number_of_a_file_or_law_has_a_unit():
     declared = [x.constant for f in fields for x in f.metadata if isinstance(x, ConstantField)]
     assert len(declared) > 50
     declared += [constant for kind in builtin().values() for constant in kind.constants().values()]
+    assert dimensions("N s/m^2") == {"kg": 1, "m": -1, "s": -1}
     for unit in {x for constant in declared for x in (constant.unit, constant.rotary_unit or "")}:
         for word in unit.replace("signal", "1").split(" or "):
             assert dimensions(word) is not None, unit

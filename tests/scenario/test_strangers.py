@@ -68,7 +68,7 @@ def test_others_are_not_unless_trusted(law, place):
     assert line.startswith(f"law.name: {law!r}: lies outside the scenario's folder")
     assert "--trust" in line
     assert executed(place) == []
-    assert Scenario.load(path, trust=True).law.name == "Mine"
+    assert Scenario.load(path, trust=True).as_machine().law.name == "Mine"
     assert executed(place) == ["beside"]
 
 

@@ -63,6 +63,8 @@ def test_the_bandwidths_reach_from_the_motion_to_the_sampling(recording):
     assert guides.bandwidths[0] == 0.0
     assert guides.bandwidths == sorted(guides.bandwidths)
     assert 100.0 / 3 < guides.bandwidths[-1] <= 100.0
+    reached = Reached({}, {bandwidth: {F_C: bandwidth} for bandwidth in (1.0, 4.0, 2.0)})
+    assert [reached.at(bandwidth)[F_C] for bandwidth in (1.0, 1.5, 3.0, 5.0)] == [1.0, 2.0, 4.0, 4.0]
 
 
 @pytest.mark.parametrize(("F_c", "followed"), [(1.0, 1), (1.2, 2)])

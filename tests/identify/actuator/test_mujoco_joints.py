@@ -80,3 +80,5 @@ def test_what_is_missing_is_told(arm, tmp_path):
     (tmp_path / "arm.xml").write_text("<mujoco><nothing/></mujoco>")
     with pytest.raises(InputError, match="MuJoCo cannot read it"):
         from_mujoco(tmp_path / "arm.xml", table)
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        from_mujoco(tmp_path / "none.xml", table)
