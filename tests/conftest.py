@@ -92,4 +92,3 @@ def _blank_pictures(request, monkeypatch):
     """Figures are made but drawn only in tests marked ``pictures``: half of a command's time goes into drawing."""
     if "pictures" not in request.keywords:
         monkeypatch.setattr("stribeck.mouth.plots.svg", lambda made: BLANK)
-        monkeypatch.setattr("stribeck.mouth.plots.png", lambda made: b"png")

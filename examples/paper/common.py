@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,7 +32,17 @@ class Printed(FigureSvg):
 
 def finish(made: Figure, name: str, caption: str) -> Printed:
     """The drawn figure under a name, with its caption. Call within :func:`stribeck.mouth.plots.style`."""
-    return Printed(name, plots.svg(made), caption, plots.png(made))
+    return Printed(name, plots.svg(made), caption, png(made))
+
+
+def png(made: Figure) -> bytes:
+    """A figure that :func:`stribeck.mouth.plots.svg` has laid out as PNG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    buffer = io.BytesIO()
+    FigureCanvasAgg(made)
+    made.savefig(buffer, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+    return buffer.getvalue()
 
 
 @dataclass(frozen=True)

@@ -63,8 +63,10 @@ def report(tmp_path_factory, worker_id):
 
 
 @pytest.fixture
-def chapter(tmp_path):
+def chapter(tmp_path, monkeypatch):
     """Makes one chapter that needs no other: its numbers, and its tables as a page shows them."""
+
+    monkeypatch.setattr("examples.paper.common.png", lambda made: b"png")
 
     def built(name):
         done = importlib.import_module(f"examples.paper.{name}").chapter({})

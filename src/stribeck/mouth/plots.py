@@ -250,13 +250,3 @@ def drawn(figure: Picture) -> FigureSvg | None:
     with style():
         canvas = figure.draw()
         return None if canvas is None else FigureSvg(figure.name, svg(canvas), figure.caption)
-
-
-def png(figure: Figure) -> bytes:
-    """A figure that :func:`svg` has laid out as PNG. Call within :func:`style`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(buffer, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
-    return buffer.getvalue()
