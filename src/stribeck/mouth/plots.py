@@ -146,13 +146,11 @@ def in_time(time: Array, y: Array) -> tuple[Array, Array]:
 
     Rows are missing at more than 1.5 usual steps. A file begins at a time that does not rise.
     """
-    kept, steps = _kept(time, y), np.diff(time)
+    steps = np.diff(time)
     some = steps[:: max(len(steps) // (8 * _BLOCKS), 1)]
     rising = some[some > 0]
     usual = float(np.median(rising)) if len(rising) else 0.0
-    breaks = np.flatnonzero((steps > _GAP * usual) | (steps <= 0)) + 1
-    places = np.unique(np.searchsorted(kept, breaks))
-    return np.insert(time[kept].astype(float), places, np.nan), np.insert(y[kept].astype(float), places, np.nan)
+    return broken(time, y, (steps > _GAP * usual) | (steps <= 0))
 
 
 def broken(x: Array, y: Array, far: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -198,7 +198,7 @@ def _replay(name: str, verdict: Verdict, contact: str, rotary: bool) -> Figure:
 
         assert verdict.scenario is not None
         try:
-            return figure_of(simulate(Scenario(verdict.scenario)), f"not {words}")
+            return figure_of({f"not {words}": simulate(Scenario(verdict.scenario))})
         except StribeckError:
             return None
 

@@ -69,24 +69,19 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     return (*first, *rest, *_FRICTION, *energy)
 
 
-def figure_of(solution: Solution, label: str = "") -> Figure:
-    """All panels of a solution as a matplotlib figure; ``label`` is the scenario's unless given."""
-    shown = _by_label({label or solution.scenario.label: solution})
+def figure_of(solutions: Mapping[str, Solution]) -> Figure:
+    """All panels of one or several solutions, by label, as a matplotlib figure, one line each."""
+    first, shown = next(iter(solutions.values())), _by_label(solutions)
     with plots.style():
-        return drawn(shown, panels(solution), next(iter(shown)), _slow_speed(solution))
-
-
-def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> Picture:
-    """All panels of one or several solutions, one line each."""
-
-    def draw() -> Figure:
-        first, shown = next(iter(solutions.values())), _by_label(solutions)
         return drawn(shown, panels(first), "" if len(shown) > 1 else next(iter(shown)), _slow_speed(first))
 
-    return Picture(name, caption, draw)
+
+def overview(solutions: Mapping[str, Solution]) -> Picture:
+    """The same for a document."""
+    return Picture("plot", "", lambda: figure_of(solutions))
 
 
-def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption: str = "") -> Picture:
+def comparison(solutions: Mapping[str, Solution]) -> Picture:
     """The overview of several solutions, with the deviation of each compared column from the first solution."""
 
     def draw() -> Figure:
@@ -103,7 +98,7 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
                 wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {plots.plain(reference[0], 40)}"))
         return drawn(shown, [p for p in wanted if p.y not in ("z", "E_in")], "", _slow_speed(first))
 
-    return Picture(name, caption, draw)
+    return Picture("compare", "", draw)
 
 
 def _by_label(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:

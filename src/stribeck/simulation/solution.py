@@ -124,7 +124,7 @@ class Solution:
         from stribeck.simulation import drawing
 
         if column is None and ax is None:
-            return drawing.figure_of(self)
+            return drawing.figure_of({self.scenario.label: self})
         if ax is None:
             from matplotlib.figure import Figure as NewFigure
 
@@ -139,7 +139,7 @@ class Solution:
         from stribeck.simulation import drawing
 
         with plots.style():
-            return plots.svg(drawing.figure_of(self))
+            return plots.svg(drawing.figure_of({self.scenario.label: self}))
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_()
