@@ -5,7 +5,7 @@ import pytest
 from stribeck import Scenario
 from stribeck.constants import Constant
 from stribeck.explore.measured import _narrower
-from stribeck.explore.numbers import number_of, numbers
+from stribeck.explore.numbers import beside_law, number_of
 from stribeck.explore.page import _tables
 from tests.scenario.valid_scenarios import VALID
 
@@ -38,4 +38,4 @@ def test_a_long_signal_is_a_curve_without_sliders_beside_the_file_s_tables(count
     signal = {"kind": "points", "t": [float(i) for i in range(count)], "value": [0.1 * i for i in range(count)]}
     scenario = Scenario(VALID["force_points"]).with_changes({"drive.signal": signal})
     assert ("value" in _tables(scenario)["drive"]["signal"]) is short
-    assert any(".value" in number.path for number in numbers(scenario)) is short
+    assert any(".value" in number.path for number in beside_law(scenario)) is short

@@ -69,12 +69,8 @@ def _label(column: Column) -> str:
 
 def _contact(machine: MachineSystem, contact: Contact) -> tuple[Column, Column]:
     """The columns of a contact's sliding speed (of a single body, its velocity) and friction."""
-    dot = f"{contact.name}." if contact.name else ""
-    return _column(machine, f"{dot}w" if dot else "v"), _column(machine, f"{dot}F")
-
-
-def _column(machine: MachineSystem, name: str) -> Column:
-    return next(column for column in machine.columns if column.name == name)
+    by_name, dot = {column.name: column for column in machine.columns}, f"{contact.name}." if contact.name else ""
+    return by_name[f"{dot}w" if dot else "v"], by_name[f"{dot}F"]
 
 
 def machine_law(scenario: Scenario) -> dict[str, object]:
@@ -82,7 +78,7 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
     machine = scenario.system
     conditions = []
     for contact, each in machine_relations(machine):
-        path = _path(scenario, contact.law_path, each.key)
+        path = path_of_constant(scenario, contact.law_path, each.key)
         conditions.append({"key": path, "allowed": each.allowed, "path": path})
     return {
         "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
@@ -99,7 +95,8 @@ def structure(system: MachineSystem, columns: Iterable[Column]) -> dict[str, obj
     }
 
 
-def _path(scenario: Scenario, law: str, key: str) -> str:
+def path_of_constant(scenario: Scenario, law: str, key: str) -> str:
+    """The file's path of a law's constant."""
     inside = ".parameters" if key in scenario.elements.laws[law].machine else ""
     return f"{scenario.called.to_file(law)}{inside}.{key}"
 

@@ -47,11 +47,6 @@ class Number:
         return asdict(self) | {"unit": printable(self.unit), "meaning": unbroken(self.meaning)}
 
 
-def numbers(scenario: Scenario) -> list[Number]:
-    """The numbers of the scenario with its present law, in the order of the file."""
-    return [*of_law(scenario), *_others(scenario)]
-
-
 def of_law(scenario: Scenario) -> list[Number]:
     """The numbers of the scenario's law: its own constants, then the machine's."""
     law, rotary, (path,) = scenario.law, scenario.rotary, scenario.elements.laws
@@ -68,7 +63,8 @@ def of_law(scenario: Scenario) -> list[Number]:
     return law_numbers
 
 
-def _others(scenario: Scenario) -> Iterator[Number]:
+def beside_law(scenario: Scenario) -> Iterator[Number]:
+    """The scenario's other numbers, in the order of the file."""
     scales, to_file = scenario.law.scales(scenario.law.p), scenario.called.to_file
     e, system = scenario.elements, scenario.system
     sizes = {"y": 10 * scales.length, "v": 10 * scales.speed, "z": scales.length}

@@ -14,9 +14,16 @@ from pathlib import Path
 from stribeck.errors import InputError, arg, needed, printable, unbroken
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import Chart, figures, panels
-from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections, structure
+from stribeck.explore.machine import (
+    machine_data,
+    machine_law,
+    machine_panels,
+    machine_sections,
+    path_of_constant,
+    structure,
+)
 from stribeck.explore.measured import measured
-from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
+from stribeck.explore.numbers import MOST_POINTS, beside_law, of_law
 from stribeck.explore.variants import measured_whole, variants
 from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
@@ -64,12 +71,11 @@ def explorer_page(
         modules.append(with_functions(each.system, appendix(each)))
         if progress is not None:
             progress(len(modules) / len(scenarios))
-    law_paths = {number.path for number in of_law(scenario)}
     data = {
         "scenario": _tables(scenario),
         "law": scenario.law.name,
         "laws": {name: _law(each, module) for (name, each), module in zip(scenarios.items(), modules, strict=True)},
-        "numbers": [n.as_data() for n in numbers(scenario) if n.path not in law_paths],
+        "numbers": [n.as_data() for n in beside_law(scenario)],
         "claims": CLAIMS,
         "signal": _signal(scenario),
         "machine": None,
@@ -140,7 +146,11 @@ def _law(scenario: Scenario, module: System) -> dict[str, object]:
         stated = condition(claim, kind, form) if callable(claim) else None
         if isinstance(stated, Equation):
             conditions[name] = stated.text
-    needs = [{"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)]
+    (path,) = scenario.elements.laws
+    needs = [
+        {"key": each.key, "allowed": each.allowed, "path": path_of_constant(scenario, path, each.key)}
+        for each in relations(kind)
+    ]
     return {
         "name": law.name,
         "about": unbroken(f"{kind.__doc__ or ''} {kind.source}"),
@@ -172,10 +182,6 @@ def _word(kind: object) -> str:
     if kind is ctypes.c_double:
         return "double"
     return "integer" if kind is ctypes.c_int64 else "pointer"
-
-
-def _path(scenario: Scenario, name: str) -> str:
-    return next((n.path for n in of_law(scenario) if n.name == name), f"law.{name}")
 
 
 def _signal(scenario: Scenario) -> dict[str, object]:
