@@ -13,7 +13,7 @@ from stribeck.explore.appendix import CLAIMS, appendix, columns
 from stribeck.explore.page import layout, shape
 from stribeck.explore.variants import subject, under, variants
 from stribeck.laws import builtin, find
-from stribeck.simulation.native import step_share
+from stribeck.simulation.promise import step_share
 from stribeck.simulation.wasm import with_functions
 from tests.explore.module import Module
 

@@ -10,7 +10,7 @@ import stribeck
 from stribeck import Scenario, simulate
 from stribeck.errors import StribeckNote
 from stribeck.exports.fmu import binaries
-from stribeck.simulation.native import sampled_share
+from stribeck.simulation.promise import sampled_share
 from tests.exports.harness import need, output_of
 from tests.exports.test_fmu import Exchanged
 from tests.exports.test_loads import RIG

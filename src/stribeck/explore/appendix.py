@@ -20,7 +20,7 @@ from stribeck.laws.values import Constants
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import E_STORED, MachineSystem
 from stribeck.scenario import Scenario
-from stribeck.simulation.native import share_of
+from stribeck.simulation.promise import RTOL_SMALLEST, share_of
 
 CLAIMS = tuple(field.name for field in fields(Claims))
 _NAN = float("nan")
@@ -86,7 +86,7 @@ def _setup(scenario: Scenario) -> list[Expr]:
         {(path, name): symbol(f"{path}.{name}") for path, name in system.parameters}
     )
     share = share_of(machine.damping())
-    least = 1e-13 / rtol  # _RTOL_SMALLEST of simulation/native.py: below, rounding is the larger error
+    least = RTOL_SMALLEST / rtol
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     atol: Mapping[str, Expr | float]
     try:

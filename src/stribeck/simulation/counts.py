@@ -18,7 +18,7 @@ from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
 _STEP = 10.0  # ratio of the tolerances of two runs
-_FINEST = 1e-11  # below, rounding is the larger error (native.py)
+_FINEST = 1e-11  # below, rounding is the larger error (promise.py)
 
 
 def reads_counts(scenario: Scenario) -> bool:

@@ -20,8 +20,17 @@ from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
-from stribeck.simulation.native import SolverInput, Solving, finest_scale, step_share
-from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Pass, Promise, Tolerances, given, measures
+from stribeck.simulation.native import SolverInput, Solving
+from stribeck.simulation.promise import (
+    MOST_PASSES,
+    MeasuredMotion,
+    Pass,
+    Promise,
+    Tolerances,
+    given,
+    measures,
+    step_share,
+)
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
@@ -181,7 +190,7 @@ def compiled(system: MachineSystem) -> ctypes.CDLL:
 def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None, growth: bool = True) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
     (:mod:`stribeck.simulation.promise`); ``growth``: of errors that grow along it, too."""
-    scenario, promise = lanes.scenario, Promise(lanes.scenario, finest_scale, growth)
+    scenario, promise = lanes.scenario, Promise(lanes.scenario, growth)
 
     def run(which: Integers, tolerances: Tolerances | None) -> tuple[Outcome, Pass]:
         some = lanes if len(which) == len(lanes) else lanes.part(which)

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
 from stribeck.simulation import promise
 from stribeck.simulation.layout import declare, struct_fields
@@ -22,14 +21,6 @@ from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two checks of Ctrl-C and updates of the progress bar: some 30 ms
 EVENT_ROOM = 4096  # events between two calls of the solver: 48 kB
-# The error of one step, as a share of the tolerances: the errors of many steps add up, and the solution must still meet the
-# tolerances. benchmarks/promise.py counts by how much.
-_STEP_SHARE = 0.02
-# The same under a sampled controller: each output restarts the motion, with many short steps that are mostly better than
-# required. The effect of an encoder's counts does not shrink with the tolerances, so loose ones need a smaller share.
-SAMPLED_SHARE = 0.1, 0.5, 0.35  # at solve.rtol = 1e-6 and above; at 1e-8 and below; the power of 1/rtol between
-_WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which the share is not reduced; its smallest factor
-_RTOL_SMALLEST = 1e-13  # below, rounding is the larger error: 500 times the spacing of floats
 
 _DONE, _MORE, _EVENTS_FULL = 0, 1, 2
 
@@ -38,53 +29,6 @@ class Run(ctypes.Structure):
     """The struct that Python shares with the compiled solver."""
 
     _fields_ = struct_fields("run.c", "Run")
-
-
-def step_share(scenario: Scenario) -> float:
-    """The allowed error of one step, as a share of the scenario's tolerances."""
-    return float(larger(_wanted_share(scenario), smaller(1.0, _RTOL_SMALLEST / scenario.solve.rtol)))
-
-
-def finest_scale(scenario: Scenario) -> float:
-    """The least factor of the scenario's tolerances that rounding allows."""
-    return min(1.0, _RTOL_SMALLEST / (step_share(scenario) * scenario.solve.rtol))
-
-
-def doubts(scenario: Scenario) -> list[str]:
-    """Notes on tolerances that cannot be reached, because rounding is the larger error."""
-    rtol, finest = scenario.solve.rtol, _RTOL_SMALLEST / _wanted_share(scenario)
-    if rtol < _RTOL_SMALLEST / _STEP_SHARE:
-        least = _RTOL_SMALLEST / _STEP_SHARE
-        return [f"solve.rtol: {rtol:g}: rounding is the larger error below {least:g}; solved as with that"]
-    if rtol < finest * (1 - 1e-9):
-        ratio = f"damping ratio {damping_ratio(scenario):.2g}"
-        return [
-            f"the contact is hardly damped ({ratio}) and rings: the error of v may exceed the promise of solve.rtol = {rtol:g}"
-        ]
-    return []
-
-
-def _wanted_share(scenario: Scenario) -> float:
-    """The share before the limit of rounding; a poorly damped contact swings many times, and the errors add up."""
-    if scenario.system.held:
-        return sampled_share(scenario.solve.rtol)
-    return float(share_of(damping_ratio(scenario)))
-
-
-def sampled_share(rtol: float) -> float:
-    """The allowed error of one step under a sampled controller; exports/templates/machine.c has this line too."""
-    low, high, power = SAMPLED_SHARE
-    return float(min(max(low * (1e-6 / rtol) ** power, low), high))
-
-
-def share_of(damping: Value) -> Value:
-    """The allowed error of one step by the damping ratio: a number, or an expression."""
-    return _STEP_SHARE * clip(smaller(damping / _WELL_DAMPED, 1.0) ** 2, _LEAST_DAMPED, 1.0)
-
-
-def damping_ratio(scenario: Scenario) -> float:
-    """Damping ratio of a body on its bristles, at rest; infinite if there are no bristles."""
-    return float(scenario.elements.damping())
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -103,7 +47,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(library, scenario, progress, tolerances, most)
 
-    return promise.solve_to_promise(scenario, once, finest_scale)
+    return promise.solve_to_promise(scenario, once)
 
 
 def _once(
@@ -146,7 +90,7 @@ class SolverInput:
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
     """A scenario as input of the compiled solver, with other tolerances than its own if given."""
     system, values, tolerances = scenario.system, scenario.elements.values, tolerances or promise.first(scenario)
-    share, pieces, held = step_share(scenario) * float(tolerances.scale[0]), scenario.pieces(), len(system.held)
+    share, pieces, held = promise.step_share(scenario) * float(tolerances.scale[0]), scenario.pieces(), len(system.held)
     room, noise = held_back(scenario.end, [scenario.elements.sampling()])
     doubles = {
         "parameters": np.array([values[key] for key in system.parameters]),

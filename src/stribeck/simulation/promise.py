@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import joined
 from stribeck.scenario import Scenario
@@ -44,6 +45,14 @@ _TOO_LARGE = 1e3  # times: by so much the errors carried on are too large at mos
 # Passes with tighter tolerances: the first may measure a wrong peak of F, and the next one then starts from the right one.
 MOST_PASSES = 3
 _NOISE = 1e-12  # a motion of this share of the machine's largest, each in its natural scale, is rounding
+# The error of one step, as a share of the tolerances: the errors of many steps add up, and the solution must still meet the
+# tolerances. benchmarks/promise.py counts by how much.
+_STEP_SHARE = 0.02
+# The same under a sampled controller: each output restarts the motion, with many short steps that are mostly better than
+# required. The effect of an encoder's counts does not shrink with the tolerances, so loose ones need a smaller share.
+SAMPLED_SHARE = 0.1, 0.5, 0.35  # at solve.rtol = 1e-6 and above; at 1e-8 and below; the power of 1/rtol between
+_WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which the share is not reduced; its smallest factor
+RTOL_SMALLEST = 1e-13  # below, rounding is the larger error: 500 times the spacing of floats
 
 
 class _OfLanes:
@@ -181,17 +190,16 @@ class Promise:
 
     Attributes:
         scenario: the scenario.
-        finest_scale: finds the least scale of its tolerances that rounding allows.
         growth: whether errors that grow along the motion count.
     """
 
     scenario: Scenario
-    finest_scale: Callable[[Scenario], float]
     growth: bool = True
 
     @cached_property
     def _finest(self) -> float:
-        return self.finest_scale(self.scenario)
+        """The least factor of the scenario's tolerances that rounding allows."""
+        return min(1.0, RTOL_SMALLEST / (step_share(self.scenario) * self._rtol))
 
     @property
     def _rtol(self) -> float:
@@ -296,6 +304,43 @@ class Promise:
         return f"accuracy not reached: {' and '.join(words)} of the peak; {why}rounding allows no smaller steps"
 
 
+def step_share(scenario: Scenario) -> float:
+    """The allowed error of one step, as a share of the scenario's tolerances."""
+    return float(larger(_wanted_share(scenario), smaller(1.0, RTOL_SMALLEST / scenario.solve.rtol)))
+
+
+def doubts(scenario: Scenario) -> list[str]:
+    """Notes on tolerances that cannot be reached, because rounding is the larger error."""
+    rtol, finest = scenario.solve.rtol, RTOL_SMALLEST / _wanted_share(scenario)
+    if rtol < RTOL_SMALLEST / _STEP_SHARE:
+        least = RTOL_SMALLEST / _STEP_SHARE
+        return [f"solve.rtol: {rtol:g}: rounding is the larger error below {least:g}; solved as with that"]
+    if rtol < finest * (1 - 1e-9):
+        ratio = f"damping ratio {float(scenario.elements.damping()):.2g}"
+        return [
+            f"the contact is hardly damped ({ratio}) and rings: the error of v may exceed the promise of solve.rtol = {rtol:g}"
+        ]
+    return []
+
+
+def _wanted_share(scenario: Scenario) -> float:
+    """The share before the limit of rounding; a poorly damped contact swings many times, and the errors add up."""
+    if scenario.system.held:
+        return sampled_share(scenario.solve.rtol)
+    return float(share_of(scenario.elements.damping()))
+
+
+def sampled_share(rtol: float) -> float:
+    """The allowed error of one step under a sampled controller; exports/templates/machine.c has this line too."""
+    low, high, power = SAMPLED_SHARE
+    return float(min(max(low * (1e-6 / rtol) ** power, low), high))
+
+
+def share_of(damping: Value) -> Value:
+    """The allowed error of one step by the damping ratio: a number, or an expression."""
+    return _STEP_SHARE * clip(smaller(damping / _WELL_DAMPED, 1.0) ** 2, _LEAST_DAMPED, 1.0)
+
+
 def first(scenario: Scenario) -> Tolerances:
     """The tolerances of a scenario before its motion is known."""
     atol = scenario.atol()
@@ -314,16 +359,14 @@ def _most_attempts(accepted: int, rows: int) -> int:
 def solve_to_promise(
     scenario: Scenario,
     once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]],
-    finest_scale: Callable[[Scenario], float],
 ) -> Result:
     """The result of a scenario, solved again if its motion needs tighter tolerances.
 
     Args:
         scenario: the scenario.
         once: solves it with given tolerances, in at most a number of attempted steps.
-        finest_scale: finds the least scale of its tolerances that rounding allows.
     """
-    promise, most, tolerances = Promise(scenario, finest_scale), scenario.solve.max_steps, first(scenario)
+    promise, most, tolerances = Promise(scenario), scenario.solve.max_steps, first(scenario)
 
     def run(tolerances: Tolerances, most: int) -> tuple[Result, Pass]:
         result, measured = once(tolerances, most)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from stribeck.errors import note
 from stribeck.scenario import Scenario
-from stribeck.simulation import backend, counts, native
+from stribeck.simulation import backend, counts, promise
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
@@ -32,7 +32,7 @@ def simulate_once(
         scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
     built = backend.solver(scenario)
-    for text in native.doubts(scenario):
+    for text in promise.doubts(scenario):
         note(text)
     for text in _remarks(scenario):
         note(text)

@@ -25,7 +25,7 @@ from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, engine
 from stribeck.simulation.layout import struct_fields
-from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, finest_scale, solver_input
+from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, solve_to_promise
 from stribeck.simulation.result import Result
 
@@ -102,7 +102,7 @@ def solve(code: wasmtime.Module, system: System, scenario: Scenario, progress: P
 
         return in_memory(code, system, scenario, solver_input(scenario, tolerances), run)
 
-    return solve_to_promise(scenario, once, finest_scale)
+    return solve_to_promise(scenario, once)
 
 
 def _instance(code: wasmtime.Module) -> engine.Instance:

@@ -15,7 +15,7 @@ from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, mad
 from stribeck.machine.signal import INPUT, SignalUse
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
-from stribeck.simulation.native import SAMPLED_SHARE, step_share
+from stribeck.simulation.promise import SAMPLED_SHARE, step_share
 from stribeck.simulation.result import held_back
 
 
