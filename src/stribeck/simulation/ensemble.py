@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck import platforms
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import InputError, nearest, printable
+from stribeck.errors import InputError, printable
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import backend, lanes
-from stribeck.simulation.result import NOT_FINITE, failure
+from stribeck.simulation.result import NOT_FINITE, failure, unknown_column
 from stribeck.simulation.single import simulate_once
 from stribeck.simulation.variations import LaneByLane, Variations, vary
 
@@ -68,11 +68,6 @@ class Ensemble:
         return ["done" if reason is None else "failed" for reason in self.reason]
 
     @property
-    def success(self) -> list[bool]:
-        """Whether each lane reached its end."""
-        return [reason is None for reason in self.reason]
-
-    @property
     def message(self) -> str:
         """The number of lanes that are done, why the first other one failed, and how many are not accurate."""
         failed = [(i, reason) for i, reason in enumerate(self.reason) if reason is not None]
@@ -111,10 +106,7 @@ class Ensemble:
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
-            known = list(self._columns)
-            raise KeyError(
-                f"{name!r}: no such column{nearest(str(name), known) or ' (known: ' + ', '.join(known) + ')'}"
-            )
+            raise unknown_column(name, self._columns)
         return self._columns[name]
 
 

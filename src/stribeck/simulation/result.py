@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor
 from typing import TypedDict
@@ -10,6 +10,7 @@ from typing import TypedDict
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.errors import nearest
 from stribeck.scenario import Scenario
 
 NOT_FINITE = -2  # a status of runtime/run.c and lanes.c
@@ -86,3 +87,8 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:
     """Why equations are no longer finite, if the system can report it."""
     return scenario.system.ended(scenario.elements.values, t, x)
+
+
+def unknown_column(name: str, known: Iterable[str]) -> KeyError:
+    """The error about a column that a result does not have."""
+    return KeyError(f"{name!r}: no such column{nearest(str(name), known) or ' (known: ' + ', '.join(known) + ')'}")

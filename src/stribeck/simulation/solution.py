@@ -11,10 +11,10 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import nearest, needed, printable
+from stribeck.errors import needed, printable
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result
+from stribeck.simulation.result import Result, unknown_column
 
 if TYPE_CHECKING:
     import pandas
@@ -79,10 +79,7 @@ class Solution:
         if name == "t":
             return self.t
         if name not in self._columns:
-            known = ["t", *self._columns]
-            raise KeyError(
-                f"{name!r}: no such column{nearest(str(name), known) or ' (known: ' + ', '.join(known) + ')'}"
-            )
+            raise unknown_column(name, ["t", *self._columns])
         return self._columns[name]
 
     def __contains__(self, name: object) -> bool:
@@ -96,14 +93,9 @@ class Solution:
         return ("t", *(column.name for column in self.columns))
 
     @property
-    def success(self) -> bool:
-        """Whether the run reached its end."""
-        return self.reason is None
-
-    @property
     def inaccurate(self) -> bool:
         """Whether the run reached its end, but not the promised accuracy."""
-        return self.success and bool(self._remarks)
+        return self.reason is None and bool(self._remarks)
 
     @property
     def message(self) -> str:

@@ -210,13 +210,9 @@ class Variations:
             for lane, value in enumerate(x.tolist()):
                 if text := constant.problem(value):
                     problems[lane] = problems[lane] or f"{path}: {value}: {text}"
-        for owner, law in self.laws().items():
+        for owner, law in self.machine.laws.items():
             self._relations(owner, law, problems)
         return problems
-
-    def laws(self) -> dict[str, Law]:
-        """The laws by the owner of their constants."""
-        return self.machine.laws
 
     def _relations(self, owner: str, law: Law, problems: list[str | None]) -> None:
         """Add the violated relations between the constants of a law."""
