@@ -251,6 +251,13 @@ class Emitted:
         """The code of each output, as part of a function."""
         return _Code(f, where, self.runtime, strict).value(outputs)
 
+    def put_factors(self, f: Function, where: dict[str, bytes]) -> None:
+        """Compute the factors of the stages' matrix, each in a local, as further inputs."""
+        for name, node in self.code.factors.items():
+            local = f.local()
+            f.code += self.values(f, where, [node])[0] + put(local)
+            where[f"factor.{name}"] = get(local)
+
     def _stored(self, kinds: str, names: str, outputs: Sequence[Expr], to: str) -> Function:
         """A function that stores its outputs one after the other."""
         f, target = Function(kinds), names.split().index(to)
@@ -289,10 +296,7 @@ class Emitted:
         inv_shift, shift = f.local(), f.local()
         f.code += get(0) + f64(gamma) + MUL + put(inv_shift) + f64(1.0) + get(inv_shift) + DIV + put(shift)
         where = self.inputs_of("h e") | {"shift": get(shift), "inv_shift": get(inv_shift)}
-        for name, node in self.code.factors.items():
-            local = f.local()
-            f.code += self.values(f, where, [node])[0] + put(local)
-            where[f"factor.{name}"] = get(local)
+        self.put_factors(f, where)
         right, a, b = ([f.local() for _ in range(self.n)] for _ in range(3))
         where |= {f"right.{name}": get(local) for name, local in zip(self.code.names, right, strict=True)}
         solved = self.values(f, where, self.code.solution)
@@ -380,10 +384,7 @@ class _Attempt:
         f, h, gamma = self.f, get(self.P["h"]), tables()["GAMMA"][0][0]
         f.code += f64(1.0) + h + DIV + tee(self.inv_h) + f64(1 / gamma) + MUL + put(self.shift)
         f.code += h + f64(gamma) + MUL + put(self.inv_shift)
-        for name, node in self.s.factors.items():
-            local = f.local()
-            f.code += self.emitted.values(f, self.inputs, [node])[0] + put(local)
-            self.inputs[f"factor.{name}"] = get(local)
+        self.emitted.put_factors(f, self.inputs)
 
     def _terms(self, row: Sequence[float], i: int) -> list[bytes]:
         """The terms of the sum of row[j] k[j] over the stages so far, for state i."""
@@ -413,14 +414,10 @@ class _Attempt:
                 f.code += get(self.inv_h) + MUL + ADD + put(right[i])
         for i in range(n):
             if T["TIME"][0][stage] and not is_zero(self.s.by_time[i]):
-                change = (
-                    f64(T["TIME"][0][stage])
-                    + get(P["h"])
-                    + MUL
-                    + load(None, self.emitted.addresses[f"rate.{n + i}"])
-                    + MUL
+                by_time = load(None, self.emitted.addresses[f"rate.{n + i}"])
+                f.code += (
+                    get(right[i]) + f64(T["TIME"][0][stage]) + get(P["h"]) + MUL + by_time + MUL + ADD + put(right[i])
                 )
-                f.code += get(right[i]) + change + ADD + put(right[i])
 
     def _called_rates(self, stage: int) -> bytes:
         """Call the function of the rates; the stage's place in k, and x_new, are free until the stage is solved."""

@@ -221,11 +221,7 @@ class SystemCode:
                     continue
                 plain = entry.args[0] if entry.op == "neg" else entry
                 if not (plain.op == "constant" or (plain.op == "symbol" and str(plain.value) in known)):
-                    name = f"{self.c_names[i]}_{self.c_names[k]}"
-                    while name in self.jacobian:
-                        name += "_"
-                    self.jacobian[name] = entry
-                    entry = symbol(f"jacobian.{name}")
+                    entry = symbol(f"jacobian.{_kept(self.jacobian, f'{self.c_names[i]}_{self.c_names[k]}', entry)}")
                 row.append(a - entry if i == k else -entry)
             matrix.append(row)
         return matrix
@@ -236,12 +232,7 @@ class SystemCode:
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
 
         def stored(name: str, entry: Expr) -> Expr:
-            if symbols([entry]) <= known:
-                return entry
-            while name in self.jacobian:
-                name += "_"
-            self.jacobian[name] = entry
-            return symbol(f"jacobian.{name}")
+            return entry if symbols([entry]) <= known else symbol(f"jacobian.{_kept(self.jacobian, name, entry)}")
 
         entries = [(f"force[{k}]", stored(f"F_{k}", force)) for k, force in enumerate(self.forces)]
         for k, row in enumerate(self.forces_by):
@@ -263,10 +254,7 @@ class SystemCode:
         for other, known in self.factors.items():
             if known is entry:
                 return symbol(f"factor.{other}")
-        while name in self.factors:
-            name += "_"
-        self.factors[name] = entry
-        return symbol(f"factor.{name}")
+        return symbol(f"factor.{_kept(self.factors, name, entry)}")
 
     def _head(self) -> str:
         states = "".join(
@@ -407,6 +395,14 @@ _NOW = "const Segment *piece, real t, const real *x"
 def runtime_text(name: str) -> str:
     """A file of ``runtime/``: the code that is the same for every system."""
     return files("stribeck.codegen.runtime").joinpath(name).read_text(encoding="utf-8")
+
+
+def _kept(entries: dict[str, Expr], name: str, entry: Expr) -> str:
+    """Keep an entry under a name that is free; the name."""
+    while name in entries:
+        name += "_"
+    entries[name] = entry
+    return name
 
 
 def _c_name(name: str) -> str:
