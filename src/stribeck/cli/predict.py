@@ -53,16 +53,32 @@ def predict(
     _undetermined: Undetermined = False,
 ) -> int:
     """Predict another recording with a fit or a machine file. Print the error; with --out, also write an overlay and a report."""
+    from stribeck.identify.predict import predict as predicted
+    from stribeck.identify.validate import Validated
     from stribeck.scenario import parse_assignments
 
     _refuse_mixed(given_options(context), fit, machine)
     check_all(columns.given, lambda: parse_assignments(set_ or []))
-    given = columns.given()
-    if fit is not None:
-        return _by_fit(data, fit, given | {"cutoff": cutoff}, out=out, json=json, trust=trust)
-    if machine is None or len(data) != 1:
+    if machine is not None and len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --machine there must be one")
-    return _by_machine(data[0], machine, given, set_ or [], out=out, json=json, trust=trust)
+    name = "prediction.html" if machine is None else "validation.html"
+    with OutputFolder(out, writes=[name]):
+        loaded = None if machine is None else load_scenario(machine, set_ or [], trust)
+        how: Keywords = {"fit": fit, "cutoff": cutoff, "trust": trust} if loaded is None else {"machine": loaded}
+        with progress("predict"):
+            result = predicted(data if loaded is None else data[0], **how, **columns.given())
+        document = result.document()
+        files = [] if out is None else _write(document, out, name)
+    if isinstance(result, Validated):
+        more = {"scenario": how["machine"].name, "data": str(data[0])}
+    else:
+        about = {"files": [str(p) for p in data], "rows": len(result.force.t)}
+        more = {"notes": result.notes(), "data": about}
+    tell(lambda: document, {**result.to_dict(), **more} if json else None, files)
+    if isinstance(result, Validated) and result.reason is not None:
+        failed(how["machine"].name, result.reason)
+        return 1
+    return 0
 
 
 _OF_A_FIT = ("load", "pressure", "cutoff")  # options that the simulation of a machine file has no use for
@@ -80,53 +96,6 @@ def _refuse_mixed(given: dict[str, str], fit: Path | None, machine: Path | None)
     other, way = (_OF_A_MACHINE, "--machine") if machine is None else (_OF_A_FIT, "--fit")
     if wrong := [f"{given[name]}: goes with {way}, which is not given" for name in other if name in given]:
         raise InputError(wrong)
-
-
-def _by_fit(data: list[Path], fit: Path, given: Keywords, *, out: Path | None, json: bool, trust: bool) -> int:
-    """Predict the force by the law that a fit found."""
-    from stribeck.identify.predict import Predicted
-    from stribeck.identify.predict import predict as predicted
-
-    with OutputFolder(out, writes=["prediction.html"]):
-        with progress("predict"):
-            prediction = predicted(data, fit, trust=trust, **given)
-        assert isinstance(prediction, Predicted)
-        document = prediction.document()
-        files = [] if out is None else _write(document, out, "prediction.html")
-    about = {"files": [str(p) for p in data], "rows": len(prediction.force.t)}
-    tell(
-        lambda: document, {**prediction.to_dict(), "notes": prediction.notes(), "data": about} if json else None, files
-    )
-    return 0
-
-
-def _by_machine(
-    data: Path,
-    machine: Path,
-    given: Keywords,
-    assignments: list[str],
-    *,
-    out: Path | None,
-    json: bool,
-    trust: bool,
-) -> int:
-    """Simulate the file with the record's drive, print how far the motion is off."""
-    from stribeck.identify.predict import predict as predicted
-    from stribeck.identify.validate import Validated
-
-    with OutputFolder(out, writes=["validation.html"]):
-        loaded = load_scenario(machine, assignments, trust)
-        with progress("predict"):
-            comparison = predicted(data, machine=loaded, **given)
-        assert isinstance(comparison, Validated)
-        document = comparison.document()
-        files = [] if out is None else _write(document, out, "validation.html")
-    summary = {**comparison.to_dict(), "scenario": loaded.name, "data": str(data)}
-    tell(lambda: document, summary if json else None, files)
-    if not comparison.success:
-        failed(loaded.name, comparison.reason)
-        return 1
-    return 0
 
 
 def _write(document: Document, folder: Path, name: str) -> list[str]:

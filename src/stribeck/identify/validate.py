@@ -54,11 +54,6 @@ class Validated(Told):
         }  # fmt: skip
 
     @property
-    def success(self) -> bool:
-        """Whether the simulation reached the record's end."""
-        return self.reason is None
-
-    @property
     def message(self) -> str:
         """Why the simulation failed; else that it is done."""
         return self.reason or self.status
