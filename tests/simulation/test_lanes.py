@@ -18,13 +18,23 @@ from tests.simulation.rig import needs_compiler, rig, spring
 pytestmark = needs_compiler
 
 DATA = rig("lugre_sobczyk", spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
+OPERATION = """
+EXPORT void stribeck_{0}(double *x)
+{{
+    real values;
+    for (int lane = 0; lane < LANES; lane++) values[lane] = x[lane];
+    values = {0}_of(values);
+    for (int lane = 0; lane < LANES; lane++) x[lane] = values[lane];
+}}
+"""
+OPERATIONS = OPERATION.format("exp") + OPERATION.format("atan")
 VALUES = {"law.k_v": np.geomspace(1e6, 1e8, 11), "law.parameters.F_s": np.linspace(1.1, 1.9, 11)}
 
 
 def library(*options):
     chosen = compiler.find().for_lanes()
     result, _ = cache.library(
-        source(Scenario(DATA).system, lanes=True), replace(chosen, options=(*chosen.options, *options))
+        source(Scenario(DATA).system, lanes=True) + OPERATIONS, replace(chosen, options=(*chosen.options, *options))
     )
     lanes.check(result)
     return result

@@ -33,18 +33,6 @@ enum { MEASURES = 2 * N + 5 * FORCES }; /* as in run.c */
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
 
-/* For tests: an operation on LANES numbers in place. */
-#define EXPORT_OPERATION(name, operation) \
-    EXPORT void name(double *x) \
-    { \
-        real values; \
-        for (int lane = 0; lane < LANES; lane++) values[lane] = x[lane]; \
-        values = operation(values); \
-        for (int lane = 0; lane < LANES; lane++) x[lane] = values[lane]; \
-    }
-EXPORT_OPERATION(stribeck_exp, exp_of)
-EXPORT_OPERATION(stribeck_atan, atan_of)
-
 typedef struct {
     Parameters p;
     Coefficients c;
