@@ -10,7 +10,7 @@ pytest.importorskip("wasmtime")
 pytest.importorskip("bokeh")
 
 from stribeck import Scenario, examples, simulate
-from stribeck.explore import explorer_page
+from stribeck.explore import explore
 from stribeck.explore.measured import arrays_of, measured, moved
 from tests.explore.module import MachineModule
 from tests.machine.test_servo import MACHINE as PISTON
@@ -32,10 +32,11 @@ CHANGES = {
 
 
 @pytest.fixture(scope="module", params=sorted(TURNED))
-def page(request):
+def page(request, tmp_path_factory):
     usual = {"solve.rtol": 1e-10, "solve.t_end": 0.4}
     scenario = Scenario.load(examples.path(request.param), usual | CHANGES.get(request.param, {}))
-    text = explorer_page(scenario, command="stribeck explore")
+    out = explore(scenario, tmp_path_factory.mktemp("page") / "page.html", command="stribeck explore")
+    text = out.read_text(encoding="utf-8")
     result = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
     return scenario, json.loads(result), TURNED[request.param], len(text)
 

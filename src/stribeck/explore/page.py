@@ -40,19 +40,11 @@ def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None,
 ) -> Path:  # fmt: skip
-    """Write the page of a scenario; see :func:`explorer_page`."""
-    write_text(out, explorer_page(scenario, laws, command, progress))
-    return out
-
-
-def explorer_page(
-    scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None,
-) -> str:  # fmt: skip
-    """One HTML file with sliders that simulates the scenario in the browser.
+    """Write one HTML file with sliders that simulates the scenario in the browser.
 
     Args:
         scenario: the scenario.
+        out: the file.
         laws: names of the laws offered beside its own; all of the package unless given.
         command: the command that makes the page, for its foot.
         progress: called with the share of built modules, 0 to 1.
@@ -63,15 +55,24 @@ def explorer_page(
     """
     library = _library()
     if measured_whole(scenario):
-        data = _machine(scenario, laws)
-        return _fill(scenario, data, machine_panels(scenario), machine_sections(scenario), library, command)
+        data, shown, sections = _machine(scenario, laws), machine_panels(scenario), machine_sections(scenario)
+    else:
+        data, shown, sections = _under_laws(scenario, laws, progress), panels(scenario), _SECTIONS
+    write_text(out, _fill(scenario, data, shown, sections, library, command))
+    return out
+
+
+def _under_laws(
+    scenario: Scenario, laws: Iterable[str] | None, progress: Callable[[float], None] | None
+) -> dict[str, object]:
+    """The data of a single body's page: the scenario under each law."""
     scenarios = variants(scenario, laws)
     modules = []
     for each in scenarios.values():
         modules.append(with_functions(each.system, appendix(each)))
         if progress is not None:
             progress(len(modules) / len(scenarios))
-    data = {
+    return {
         "scenario": _tables(scenario),
         "law": scenario.law.name,
         "laws": {name: _law(each, module) for (name, each), module in zip(scenarios.items(), modules, strict=True)},
@@ -80,7 +81,6 @@ def explorer_page(
         "signal": _signal(scenario),
         "machine": None,
     }
-    return _fill(scenario, data, panels(scenario), _SECTIONS, library, command)
 
 
 def _machine(scenario: Scenario, laws: Iterable[str] | None) -> dict[str, object]:
