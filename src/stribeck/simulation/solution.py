@@ -68,12 +68,8 @@ class Solution:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         with np.errstate(all="ignore"):
             values = self.scenario.columns(self.t, states, self.held)
-        return {column.name: self._as_rows(values[column.name]) for column in self.columns}
-
-    def _as_rows(self, value: object) -> Array:
-        """A column as an array of the rows, also if it is a single number."""
-        given = np.array(value, float)
-        return given if given.shape == self.t.shape else np.array(np.broadcast_to(given, self.t.shape))
+        rows = (np.broadcast_to(np.asarray(values[c.name], float), self.t.shape) for c in self.columns)
+        return {column.name: np.array(x) for column, x in zip(self.columns, rows, strict=True)}
 
     def __getitem__(self, name: str) -> Array:
         if name == "t":

@@ -88,7 +88,8 @@ class Variations:
         self.scenario = scenario
         self.machine, self.places = scenario.elements, scenario.places
         if unknown := [path for path in self.values if path not in self.places]:
-            raise InputError([f"{path}: cannot be varied{_guess(path, self.places)}" for path in unknown])
+            known = f" (what can be: {', '.join(self.places)})"
+            raise InputError([f"{n}: cannot be varied{nearest(n, self.places) or known}" for n in unknown])
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -308,7 +309,3 @@ def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     ]:
         raise InputError(wrong)
     return {path: np.ascontiguousarray(np.broadcast_to(x, (count,))) for path, x in columns.items()}
-
-
-def _guess(path: str, known: Mapping[str, object]) -> str:
-    return nearest(path, known) or f" (what can be: {', '.join(known)})"

@@ -114,11 +114,6 @@ class Sweep:
         """The lanes of a part."""
         return range(part * self.part_size, min((part + 1) * self.part_size, len(self.lanes)))
 
-    def values_of(self, part: int) -> dict[str, Array]:
-        """The values of a part's lanes by path."""
-        lanes = self.lanes_of(part)
-        return {path: x[lanes.start : lanes.stop] for path, x in self.lanes.values.items()}
-
     def run(self, threads: int | None = None, progress: Progress | None = None) -> None:
         """Compute the missing parts.
 
@@ -149,9 +144,10 @@ class Sweep:
 
     def _make(self, part: int, threads: int | None, progress: Callable[[float], None]) -> None:
         """Simulate the lanes of a part into its file."""
-        first = self.lanes_of(part).start
-        ensemble = simulate_ensemble(self.lanes.scenario, self.values_of(part), threads=threads, progress=progress)
-        columns = tables.summary(ensemble, first) if self.summary else tables.trajectories(ensemble, first)
+        lanes = self.lanes_of(part)
+        values = {path: x[lanes.start : lanes.stop] for path, x in self.lanes.values.items()}
+        ensemble = simulate_ensemble(self.lanes.scenario, values, threads=threads, progress=progress)
+        columns = (tables.summary if self.summary else tables.trajectories)(ensemble, lanes.start)
         content = tables.as_parquet(columns)
         _put(self.folder / self.name(part), content)
         failed = sum(reason is not None for reason in ensemble.reason)
