@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from examples.paper import report
-from stribeck.cli.output import OutputFolder
+from stribeck.cli.output import output_folder
 from stribeck.cli.progress import progress
 from stribeck.errors import StribeckError
 
@@ -18,7 +18,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("stribeck-report"), help="folder for the report")
     out: Path = parser.parse_args().out
     try:
-        with OutputFolder(out), progress("report") as tell:
+        with output_folder(out), progress("report") as tell:
             summary = report.write(out, tell)
     except StribeckError as error:
         print(error, file=sys.stderr)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli.options import Json, Out, Trust, Undetermined, command, flag, load_scenario, output_path, setting
-from stribeck.cli.output import OutputFolder, check_file, command_line, tell
+from stribeck.cli.output import check_file, command_line, output_folder, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, arg, check_all, note, read_pairs
 
@@ -133,7 +133,7 @@ def _decide(
     asked: _Asked, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
 ) -> None:
     """Decide, write the files asked for, print the verdicts."""
-    with OutputFolder(out, writes=["report.html"]):
+    with output_folder(out, writes=["report.html"]):
         if certificate is not None:
             check_file("--certificate", certificate, *asked.reads)
         with progress(f"check {asked.name}"):

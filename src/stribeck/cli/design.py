@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import ADVANCED, ControllerName, Json, Out, ScenarioOptions, command, flag, setting
-from stribeck.cli.output import OutputFolder, command_line, failed, tell
+from stribeck.cli.output import command_line, failed, output_folder, tell
 from stribeck.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def design(
     from stribeck.loops.written import FILES, write_design
 
     loaded = source.load(*(partial(Turned.parse, text) for text in vary or []))
-    with OutputFolder(out, [source.scenario], FILES):
+    with output_folder(out, [source.scenario], FILES):
         with progress(loaded.name) as share:
             result = judge(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,

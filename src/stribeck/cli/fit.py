@@ -13,7 +13,7 @@ import typer
 
 from stribeck.cli import record
 from stribeck.cli.options import ADVANCED, Json, Out, command, flag, setting
-from stribeck.cli.output import OutputFolder, command_line, tell
+from stribeck.cli.output import command_line, output_folder, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, check_all, read_pairs
 
@@ -196,7 +196,7 @@ def _fit(
     from stribeck.identify.required import unmet
     from stribeck.identify.written import FILES, write_fit
 
-    with OutputFolder(out, [data[0], given["logs"]] if "logs" in given else [], FILES):
+    with output_folder(out, [data[0], given["logs"]] if "logs" in given else [], FILES):
         with progress("fit") as share:
             given["progress"] = share
             if "logs" in given:

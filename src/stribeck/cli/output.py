@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 from stribeck.constants import show as shown
@@ -19,7 +18,8 @@ if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 
-class OutputFolder:
+@contextmanager
+def output_folder(out: Path | None, reads: Sequence[Path] = (), writes: Sequence[str] = ()) -> Iterator[None]:
     """The folder of a command, created if missing, and removed again if the block leaves it empty.
 
     It must be writable. No file that is read may be replaced, and no folder may stand in a file's place.
@@ -28,33 +28,22 @@ class OutputFolder:
         out: the folder; None where nothing is to be written.
         reads: files that the command reads; ``writes``: names of what it will write.
     """
-
-    def __init__(self, out: Path | None, reads: Sequence[Path] = (), writes: Sequence[str] = ()) -> None:
-        self._made: list[Path] = []  # the innermost first
-        if out is None:
-            return
-        if text := trouble(out, folder=True) or misplaced(out, writes):
-            raise InputError(f"--out: {shown(str(out))}: {text}")
-        for path in (path for name in writes for path in reads if _same_file(out / name, path)):
-            text = f"{path.name}, which is read, would be replaced: must be another folder"
-            raise InputError(f"--out: {shown(str(out))}: {text}")
-        self._made = [folder for folder in (out, *out.parents) if not folder.exists()]
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            self.__exit__()
-            raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
-
-    def __enter__(self) -> OutputFolder:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None = None,
-        error: BaseException | None = None,
-        traceback: TracebackType | None = None,
-    ) -> None:
-        for folder in self._made:
+    made: list[Path] = []  # the innermost first
+    try:
+        if out is not None:
+            if text := trouble(out, folder=True) or misplaced(out, writes):
+                raise InputError(f"--out: {shown(str(out))}: {text}")
+            for path in (path for name in writes for path in reads if _same_file(out / name, path)):
+                text = f"{path.name}, which is read, would be replaced: must be another folder"
+                raise InputError(f"--out: {shown(str(out))}: {text}")
+            made = [folder for folder in (out, *out.parents) if not folder.exists()]
+            try:
+                out.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+        yield
+    finally:
+        for folder in made:
             with suppress(OSError):  # not empty
                 folder.rmdir()
 

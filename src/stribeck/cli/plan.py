@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from stribeck.cli.options import given_options
-from stribeck.cli.output import OutputFolder, print_json, wrote
+from stribeck.cli.output import output_folder, print_json, wrote
 from stribeck.errors import InputError, read_pairs
 from stribeck.files import together
 from stribeck.identify import plan_files
@@ -40,7 +40,7 @@ def plan(
     tests, files = program(limits), list[str]()
     if out is not None:
         name = "program.csv"
-        with OutputFolder(out, writes=[name]), together(out, last=name, older=plan_files.SYNTHETIC) as place:
+        with output_folder(out, writes=[name]), together(out, last=name, older=plan_files.SYNTHETIC) as place:
             written = plan_files.write_rig(limits, place)
             written += plan_files.write_simulated(experiment, place) if experiment is not None else []
         files = [str(out / name) for name in written]

@@ -18,7 +18,7 @@ from stribeck.cli.options import (
     load_scenario,
     setting,
 )
-from stribeck.cli.output import OutputFolder, command_line, failed, tell
+from stribeck.cli.output import command_line, failed, output_folder, tell
 from stribeck.cli.progress import progress
 from stribeck.cli.record import ColumnsAsFitted, Keywords
 from stribeck.errors import InputError, check_all
@@ -62,7 +62,7 @@ def predict(
     if machine is not None and len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --machine there must be one")
     name = "prediction.html" if machine is None else "validation.html"
-    with OutputFolder(out, writes=[name]):
+    with output_folder(out, writes=[name]):
         loaded = None if machine is None else load_scenario(machine, set_ or [], trust)
         how: Keywords = {"fit": fit, "cutoff": cutoff, "trust": trust} if loaded is None else {"machine": loaded}
         with progress("predict"):

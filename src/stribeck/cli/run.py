@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import Json, Out, ScenarioOptions, command, flag, setting
-from stribeck.cli.output import OutputFolder, command_line, failed, print_json, tell
+from stribeck.cli.output import command_line, failed, output_folder, print_json, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, read_pairs
 
@@ -60,7 +60,7 @@ def _simulate(scenario: Scenario, out: Path | None, json: bool) -> int:
     from stribeck.simulation import simulate
     from stribeck.simulation.tables import RUN
 
-    with OutputFolder(out, writes=RUN):
+    with output_folder(out, writes=RUN):
         with progress(scenario.name) as share:
             solution = simulate(scenario, progress=share)
         summary, files = solution.summary(), list[str]()
@@ -82,7 +82,7 @@ def _compare(variants: dict[str, Scenario], name: str, out: Path | None, json: b
     from stribeck.simulation.comparison import compare_laws
     from stribeck.simulation.tables import COMPARISON
 
-    with OutputFolder(out, writes=COMPARISON):
+    with output_folder(out, writes=COMPARISON):
         with progress(name) as share:
             comparison = compare_laws(variants, share)
         summary, files = comparison.summary(), list[str]()

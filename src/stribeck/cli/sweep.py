@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, flag, output_path, setting
-from stribeck.cli.output import OutputFolder, tell
+from stribeck.cli.output import output_folder, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, check_all
 
@@ -45,7 +45,7 @@ def sweep(
     loaded = source.load(lanes)
     job = Sweep(loaded, lanes(), out, summary)
     started = perf_counter()
-    with OutputFolder(out), progress(f"{loaded.name}: {len(job.lanes)} lanes") as tell_share:
+    with output_folder(out), progress(f"{loaded.name}: {len(job.lanes)} lanes") as tell_share:
 
         def rated(share: float, count: float) -> None:
             tell_share(share, f"{count / max(perf_counter() - started, 1e-9):.0f} lanes/s")
