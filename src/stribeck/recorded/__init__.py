@@ -410,41 +410,30 @@ class CsvSource(Source):
 
 def _parquet(path: Path) -> Source:
     with needed("reading Parquet files"):
-        from pyarrow import ArrowException, parquet
+        from pyarrow import parquet, types
 
-    class Lazy(Source):
+    class Columns(Source):
         def __init__(self) -> None:
-            self.path = path
-            self.file = parquet.ParquetFile(path, pre_buffer=False)
-            self.names, self._parts = list(self.file.schema_arrow.names), {}
-            self.constants = {}
-            if not self.file.metadata.num_rows:
+            self.path, self.file = path, parquet.ParquetFile(path, pre_buffer=False)
+            schema, rows = self.file.schema_arrow, self.file.metadata.num_rows
+            self.names, self._parts, self.constants, self.variables = list(schema.names), {}, {}, {}
+            if not rows:
                 raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
+            for name, kind in zip(schema.names, schema.types, strict=True):
+                kind = kind.value_type if types.is_dictionary(kind) else kind
+                is_number = str(kind).startswith(_NUMBERS)
+                self.variables[name] = Later((rows,), "f" if is_number else "O", partial(self._column, name))
 
         def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
             _check_unique(self, wanted)
-            try:
-                self._read_columns(list(dict.fromkeys(wanted.values())))
-            except (OSError, ArrowException) as error:  # damaged after the head
-                text = (str(error).splitlines() or [type(error).__name__])[0]
-                raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
             return super().columns(wanted, times)
 
-        def _read_columns(self, names: list[str]) -> None:
-            rows, place = self.file.metadata.num_rows, 0
-            self._check_memory(rows for _ in names)
-            self.variables = {}
-            for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
-                for name in names:
-                    part = batch.column(name)
-                    part = part.dictionary_decode() if hasattr(part, "dictionary_decode") else part
-                    if not str(part.type).startswith(_NUMBERS):  # text, which Source.columns reports
-                        self.variables[name] = part.to_numpy(zero_copy_only=False)
-                        continue
-                    self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = of_arrow(part)
-                place += len(batch)
+        def _column(self, name: str) -> Numbers:
+            parts = self.file.read(columns=[name], use_threads=False).column(0).chunks
+            decoded = (part.dictionary_decode() if hasattr(part, "dictionary_decode") else part for part in parts)
+            return np.concatenate([of_arrow(part) for part in decoded])
 
-    return Lazy()
+    return Columns()
 
 
 def _mat(path: Path) -> Source:
