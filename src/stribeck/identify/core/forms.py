@@ -119,9 +119,13 @@ def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
 
 
 def _smoother_force(log: Log, at: Anchor) -> Array:
-    """The inertia and the friction of the motion behind a lower cut-off."""
+    """The inertia and the friction of the motion behind a lower cut-off, in the direction of the recorded motion.
+
+    A row whose direction differs shows where the cut-off puts a reversal, by rounding even, and no effect on the force.
+    """
     smooth = smoother_log(log)
-    return np.asarray(at.found.get("mass", 0.0) * smooth.acceleration + at.friction(smooth.velocity))
+    speed = np.where(smooth.velocity * log.velocity > 0, smooth.velocity, log.velocity)
+    return np.asarray(at.found.get("mass", 0.0) * smooth.acceleration + at.friction(speed))
 
 
 def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Column]:
