@@ -96,7 +96,7 @@ def with_units(
 def _why(state: EstimateState) -> str:
     if state is EstimateState.NOT_IDENTIFIABLE:
         return "its interval spans more than a factor of two"
-    return f"no sliding below {REACHED:g} v_s (or {REACHED:g} of a narrower bend's width) was recorded"
+    return f"no sliding below {REACHED:g} v_s was recorded"
 
 
 class Fit(Told, ABC):

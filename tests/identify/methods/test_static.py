@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.core.states import EstimateState
 from stribeck.identify.log import Log
-from stribeck.identify.models.curves import SteadyCurve
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
 
@@ -65,20 +64,6 @@ def test_a_speed_that_is_met_within_a_play_only_is_not_seen():
     assert v_s < fit["v_s"].range[1]
     low, high = fit.levels["level slow"].range
     assert low < TRUTH["F_c"] + 3 * np.exp(-((slow / v_s) ** 2)) + TRUTH["sigma_2"] * slow < high
-
-
-@pytest.mark.parametrize(("bends", "state"), [([], "identified"), ([0.05], "identified"), ([0.02], "at least")])
-def test_F_s_has_an_upper_bound_if_every_bend_that_it_contains_was_reached(bends, state):
-    """The peak of a bend below all speeds was F_s, identified."""
-    known = {
-        n: Estimate(x, (0.9 * x, 1.1 * x), (0.9 * x, 1.1 * x), EstimateState.IDENTIFIED)
-        for n, x in {"F_c": 5.0, "F_s": 8.0, "v_s": 0.1, "level slow": 7.0}.items()
-    }
-    judged = SteadyCurve("stribeck", {}, ()).judged(known, known["level slow"], 0.02, bends)
-    assert judged["F_s"].state == state
-    if bends == [0.02]:
-        assert judged["F_s"].value == 7.0
-        assert judged["v_s"].state is EstimateState.AT_MOST
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):

@@ -129,7 +129,7 @@ class MachineLibrary(ModelLibrary):
         c = next((c for c in self.sought if c.name == name), None)
         return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
 
-    def concluded(self, estimates: dict[str, Estimate], model: Model) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Clip estimates to their bounds, and withhold those whose interval is outside.
 
         Without slow rows, F_s and v_s become one-sided bounds. Without long strokes, F_c is withheld beside an open v_s.

@@ -63,7 +63,7 @@ def judged(
         estimates[name] = Estimate(
             x_now, both_ends[0], both_ends[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
         )
-    return lib.concluded(estimates, model)
+    return lib.concluded(estimates)
 
 
 def missed(choice: Selection[Of]) -> float:

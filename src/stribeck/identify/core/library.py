@@ -94,8 +94,8 @@ class ModelLibrary(ABC):
         """For a parameter that may be 0: its scale, and whether an interval within a factor of two is narrow too."""
 
     @abstractmethod
-    def concluded(self, estimates: dict[str, Estimate], model: Model) -> dict[str, Estimate]:
-        """The estimates of a model as reported, with bounds applied and impossible values marked."""
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
+        """The estimates as reported, with bounds applied and impossible values marked."""
 
     def allowed(self, form: str) -> Array:
         """Whether a form may be combined with each node's law."""

@@ -117,19 +117,12 @@ class SteadyCurve:
         """Coefficients with which slopes are taken: none of them 0."""
         return {n: max(x, ANCHORED * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
 
-    def judged(
-        self, estimates: dict[str, Estimate], slow: Estimate, slowest: float, bends: Sequence[float]
-    ) -> dict[str, Estimate]:
-        """Estimates as they are reported.
+    def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
+        """Estimates as they are reported; ``slow``: the level at the slowest speed seen.
 
-        If no speed was seen that is slow beside v_s, or beside a bend that F_s contains, F_s is at least the level there and
-        F_c, v_s at most what it may be.
-
-        Args:
-            slow: the level at the ``slowest`` speed seen.
-            bends: the widths of further bends, m/s.
+        If no speed was seen that is slow beside v_s, F_s is at least the level there and F_c, v_s at most what it may be.
         """
-        if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * min(estimates["v_s"].value, *bends, np.inf):
+        if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * estimates["v_s"].value:
             return estimates
         F_s, v_s = one_sided(estimates["F_s"], estimates["v_s"], [slow, estimates["F_c"]])  # never below F_c
         return estimates | {"F_s": F_s, "v_s": v_s}

@@ -98,7 +98,7 @@ class SteadyLibrary(ModelLibrary):
         """A share of the force's standard deviation, which a constant preload does not enlarge."""
         return LARGEST * self.deviation
 
-    def concluded(self, estimates: dict[str, Estimate], model: Model) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
 
         A mass below 0 is reported as it is, but never identified.
@@ -108,8 +108,7 @@ class SteadyLibrary(ModelLibrary):
                 estimates[n] = e = e.within(least, np.inf)
             if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
-        bends = [float(g.split()[1]) * self.at.fast for g in model[1] if g.startswith("bend")]
-        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0], bends)
+        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
