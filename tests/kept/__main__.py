@@ -1,7 +1,8 @@
 """Renew the kept outputs: ``python -m tests.kept [WORD...]``, of cases whose names hold one of the words.
 
 ``--whole`` prints the outputs instead, with the code of which digests are kept: compare what two checkouts print. ``--noise``
-keeps them, and marks the numbers that are others here: what processors, or C and WebAssembly, round to different ends.
+keeps them, and marks the numbers that are others here: what processors, or C and WebAssembly, round to different ends. With
+``OPENBLAS_CORETYPE=Prescott``, ``Nehalem``, ``Haswell`` or ``SkylakeX`` this processor rounds as others do.
 """
 
 import os

@@ -13,7 +13,7 @@ def log(first, second, seed, rows=1500):
 
 def turned():
     """A joint with an encoder, a weight and a curve of Stribeck's."""
-    t = 2e-3 * np.arange(2000)
+    t = 2e-3 * np.arange(2000) + 7e-4  # no sample at a zero of the speed, whose sign is by rounding there
     q = 0.6 * np.sin(2 * np.pi * 0.5 * t) + 0.2 * np.sin(2 * np.pi * 1.3 * t)
     v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
     curve = np.tanh(200 * v) * (1 + 0.5 * np.exp(-((v / 0.2) ** 2))) + 0.4 * v
