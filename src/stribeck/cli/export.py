@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -54,18 +54,6 @@ class PartOptions:
     controller: ControllerName = None
 
 
-@dataclass(frozen=True)
-class ToolOptions:
-    """The options of the target."""
-
-    step: Annotated[
-        float | None,
-        setting("--step", "S", "Time step of the target (s); the loss of accuracy is reported.", ADVANCED),
-    ] = None
-    self_test: Annotated[bool, flag("--self-test", "Add a program that tests the C.", ADVANCED)] = False
-    fmi: Annotated[int, setting("--fmi", "VERSION", "FMI version of an FMU: 3 or 2.")] = 3
-
-
 @command("export", "stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
@@ -77,7 +65,12 @@ def export(
         setting("--out", "PATH", "Folder for c and mujoco; a file for other targets.", parser=output_path),
     ],
     selection: PartOptions,
-    tool: ToolOptions,
+    step: Annotated[
+        float | None,
+        setting("--step", "S", "Time step of the target (s); the loss of accuracy is reported.", ADVANCED),
+    ] = None,
+    self_test: Annotated[bool, flag("--self-test", "Add a program that tests the C.", ADVANCED)] = False,
+    fmi: Annotated[int, setting("--fmi", "VERSION", "FMI version of an FMU: 3 or 2.")] = 3,
     law: Annotated[
         str | None,
         typer.Argument(
@@ -110,7 +103,7 @@ def export(
     with progress(f"export to {target}"):
         files = write(
             chosen, target, out, part=part, scenario=rig, origin=origin,
-            controller=selection.controller, contact=selection.contact, **asdict(tool),
+            controller=selection.controller, contact=selection.contact, step=step, self_test=self_test, fmi=fmi,
         )  # fmt: skip
     if json:
         names = [str(file) for file in files]
