@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic_core import core_schema
+from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
 
 from stribeck import laws
 from stribeck.constants import kind_of, show
@@ -182,35 +182,26 @@ class Friction:
 LAW = "friction law"
 
 
-@dataclass(frozen=True)
-class _Read:
-    """An annotation: the field is a law's table, or a law; ``key`` is where it stands in the table of the element."""
-
-    key: str
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return {"type": "object", "title": LAW}  # the schema of files has the law's own in its place
-
-    def _read(self, value: object, info: Any) -> Friction | None:
-        """The law; None where it is one in a file that must not be executed yet."""
-        if isinstance(value, Friction):
-            return value
-        if isinstance(value, Law):
-            return Friction.from_law(value)
-        reading = info.context or Reading()
-        path = joined(reading.place, self.key)
-        law, problems = read_law(value, path, reading)
-        if problems:
-            below = ((place.removeprefix(path).lstrip("."), text) for place, text in problems)
-            raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
-        if law is None:
-            return None
-        assert isinstance(value, Mapping)
-        return Friction.from_law(law, value)
+def _read(key: str, value: object, info: ValidationInfo) -> Friction | None:
+    """The law of a table at ``key`` of an element's; None where it is one in a file that must not be executed yet."""
+    if isinstance(value, Friction):
+        return value
+    if isinstance(value, Law):
+        return Friction.from_law(value)
+    reading = info.context or Reading()
+    path = joined(reading.place, key)
+    law, problems = read_law(value, path, reading)
+    if problems:
+        below = ((place.removeprefix(path).lstrip("."), text) for place, text in problems)
+        raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
+    if law is None:
+        return None
+    assert isinstance(value, Mapping)
+    return Friction.from_law(law, value)
 
 
-FrictionLaw = Annotated[Friction | None, _Read("law")]
-CompensatedLaw = Annotated[Friction | None, _Read("compensation.law")]
+_SCHEMA = WithJsonSchema({"type": "object", "title": LAW})  # the schema of files has the law's own in its place
+FrictionLaw = Annotated[Friction | None, PlainValidator(lambda value, info: _read("law", value, info)), _SCHEMA]
+CompensatedLaw = Annotated[
+    Friction | None, PlainValidator(lambda value, info: _read("compensation.law", value, info)), _SCHEMA
+]

@@ -9,8 +9,7 @@ from types import EllipsisType, SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, WrapValidator, create_model
-from pydantic_core import core_schema
+from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, WrapValidator, create_model
 
 from stribeck import laws
 from stribeck.arrays import Array
@@ -126,26 +125,20 @@ def _complete(value: object, handler: Callable[[object], KnownPlant], info: Vali
     return whole
 
 
-class _OfObserver:
-    """An annotation: the field is the law that the controller assumes, with the plant's parameters where it gives
-    none: None for no law, ... where it, or the plant's, is in a file that must not be executed yet."""
+def _read_observer(table: object, info: ValidationInfo) -> Friction | EllipsisType | None:
+    """The law that the controller assumes, with the plant's parameters where it gives none.
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> core_schema.CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, object]:
-        return {"type": "object", "title": "observer"}  # the schema of files has its own in its place
-
-    def _read(self, table: object, info: ValidationInfo) -> Friction | EllipsisType | None:
-        if not isinstance(table, Mapping):
-            raise problems_at([((), no_table(table))])
-        reading: Reading = info.context or Reading()
-        if in_a_file(table.get("name")) and not reading.executes:
-            return ...
-        law, wrong = _observer(table, _law_on(info.data.get("on"), reading.others.get("contacts", {})), reading)
-        if wrong:
-            raise problems_at([(tuple(key.split(".")), text) for key, text in wrong])
-        return Friction.from_law(law, table) if isinstance(law, Law) else law
+    None for no law, ... where it, or the plant's, is in a file that must not be executed yet.
+    """
+    if not isinstance(table, Mapping):
+        raise problems_at([((), no_table(table))])
+    reading: Reading = info.context or Reading()
+    if in_a_file(table.get("name")) and not reading.executes:
+        return ...
+    law, wrong = _observer(table, _law_on(info.data.get("on"), reading.others.get("contacts", {})), reading)
+    if wrong:
+        raise problems_at([(tuple(key.split(".")), text) for key, text in wrong])
+    return Friction.from_law(law, table) if isinstance(law, Law) else law
 
 
 def _contact_on(body: object, contacts: Mapping[str, Contact]) -> Contact | None:
@@ -274,7 +267,9 @@ class PressureCascade(AnyController):
         0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
     )
     adaptive: bool = Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")
-    observer: Annotated[Held, _OfObserver()] = Field(
+    observer: Annotated[  # the schema of files has its own in the place of this one
+        Held, PlainValidator(_read_observer), WithJsonSchema({"type": "object", "title": "observer"})
+    ] = Field(
         description="the law that the controller assumes: name ('none' for no compensation), its own constants, and "
         "parameters where they differ from the plant's"
     )
