@@ -93,17 +93,11 @@ class ConstantField:
         return not bounded and set(map(type, value)) == {float} and bool(np.isfinite(value).all())
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return core_schema.no_info_plain_validator_function(
-            self._read, serialization=core_schema.plain_serializer_function_ser_schema(_plain)
-        )
+        return core_schema.no_info_plain_validator_function(self._read)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         node = self.constant.allowed_node
         return {"type": "array", "items": node, "minItems": 1} if self.many else node
-
-
-def _plain(value: object) -> object:
-    return list(value) if isinstance(value, tuple) else value
 
 
 def quantity(
