@@ -132,7 +132,7 @@ def corrected(given: Mapping[str, T], known: Collection[str]) -> dict[str, T]:
 def _closest(name: str, known: Iterable[str]) -> list[str]:
     from difflib import get_close_matches
 
-    return get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return get_close_matches(str(name), list(known), n=1, cutoff=0.6)
 
 
 def read_pairs(read: Callable[[S], tuple[str, T]], given: Iterable[S], what: str) -> dict[str, T]:
