@@ -19,7 +19,7 @@ from stribeck import Scenario, examples
 from stribeck.codegen import source
 from stribeck.simulation import cache, compiler, native, wasm
 
-PROCESS = "import sys; from stribeck import simulate; assert not simulate(sys.argv[1]).reason"
+PROCESS = "import sys; from stribeck import simulate; assert simulate(sys.argv[1]).success"
 
 
 def benchmark(given: Given) -> dict[str, Any]:

@@ -511,7 +511,7 @@ def _():
     yield from [
         repr(several),
         *shown.page(several._repr_html_(), 7),
-        f"{several.status} {several.message}",
+        f"{several.status} {several.success} {several.message}",
     ]
     yield from (f"{c}: {shown.summed(np.ravel(several[c.name]), 7)}" for c in several.columns)
 

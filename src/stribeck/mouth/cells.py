@@ -68,8 +68,11 @@ def _in_places(x: float, size: float) -> str:
     if not math.isfinite(x) or not size:
         return f"{x:.4g}"
     places = 1 - math.floor(math.log10(size))
-    text = f"{round(x, places):.7g}"
-    return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
+    near = round(x, places) + 0.0  # without the sign of a zero
+    text = f"{near:.7g}"
+    if "e" in text:
+        return f"{x:.{max(math.floor(math.log10(abs(x))) + places, 0)}e}"
+    return f"{near:.{places}f}" if 0 <= places <= 5 else text
 
 
 def _half(value: float, interval: tuple[float, ...]) -> float:

@@ -68,6 +68,11 @@ class Ensemble:
         return ["done" if reason is None else "failed" for reason in self.reason]
 
     @property
+    def success(self) -> list[bool]:
+        """Whether each lane reached its end."""
+        return [reason is None for reason in self.reason]
+
+    @property
     def message(self) -> str:
         """The number of lanes that are done, why the first other one failed, and how many are not accurate."""
         failed = [(i, reason) for i, reason in enumerate(self.reason) if reason is not None]

@@ -89,9 +89,14 @@ class Solution:
         return ("t", *(column.name for column in self.columns))
 
     @property
+    def success(self) -> bool:
+        """Whether the run reached its end."""
+        return self.reason is None
+
+    @property
     def inaccurate(self) -> bool:
         """Whether the run reached its end, but not the promised accuracy."""
-        return self.reason is None and bool(self._remarks)
+        return self.success and bool(self._remarks)
 
     @property
     def message(self) -> str:
