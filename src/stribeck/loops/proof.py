@@ -18,7 +18,6 @@ from stribeck.laws.base import BristleLaw
 from stribeck.machine.elements.cylinder import GAS
 from stribeck.machine.elements.pressure_cascade import GAINS
 from stribeck.machine.pneumatic import cascade
-from stribeck.machine.pneumatic.cascade import Course
 from stribeck.machine.pneumatic.cylinder import Cylinder
 from stribeck.machine.pneumatic.observer import observe
 
@@ -93,7 +92,7 @@ def derive() -> QuadraticForm:
     c, m = named(GAINS), named(GAS)
     p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
-    path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
+    path = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
     e, s = cascade.tracking_errors(c, path, y, v)
     observed = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)

@@ -555,7 +555,7 @@ class PressureCascade(AnyController):
         if not signal.smooth:
             text = f"{show(signal.kind)}: has no three derivatives, which the controller needs"
             return [(f"{signal_path}.kind", f"{text}; must be one of sine, point_to_point, spline")]
-        t, (y, v, a, _) = _path_of(signal, t_end)
+        t, (y, v, a) = _path_of(signal, t_end)
         outside = np.flatnonzero((y < 0) | (y > p.stroke))
         if outside.size:
             i = int(outside[0])
@@ -603,7 +603,7 @@ class PressureCascade(AnyController):
 
 
 def _path_of(signal: Signal, t_end: float) -> tuple[Array, tuple[Array, ...]]:
-    """The path and its three derivatives, at times close enough to see every wave and at every point."""
+    """The path and its two derivatives, at times close enough to see every wave and at every point."""
     waves = t_end / signal.longest_step if np.isfinite(signal.longest_step) else 0.0
     t = np.linspace(0, t_end, int(min(max(_SAMPLES, 16 * waves), 200_000)))
     t = np.union1d(t, [start for start, _ in signal.pieces if 0 <= start <= t_end])

@@ -11,14 +11,13 @@ from stribeck.expressions.graph import Expr, derivative
 from stribeck.expressions.ops import Value
 from stribeck.machine.pneumatic.cylinder import Cylinder
 
-Course = tuple[Expr, Expr, Expr, Expr]  # a desired position and its first three derivatives
+Course = tuple[Expr, Expr, Expr]  # a desired position and its first two derivatives
 
 
 def course(position: Expr, t: Expr) -> Course:
     """A desired position as a function of time, with its derivatives."""
     speed = derivative(position, t)
-    acceleration = derivative(speed, t)
-    return position, speed, acceleration, derivative(acceleration, t)
+    return position, speed, derivative(speed, t)
 
 
 def tracking_errors(c: SimpleNamespace, path: Course, y: Value, v: Value) -> tuple[Value, Value]:
