@@ -78,6 +78,7 @@ def test_numbers_that_move_more_than_a_number_stay():
     result = measured(Scenario.load(examples.path("arm"), {"controllers.axis.sampling.delay": 9e-4}))
     free = {n.path for n in result.numbers}
     assert "controllers.axis.signal.value.1" in free
+    assert {n.path: n.unit for n in result.numbers}["bodies.rotor.initial.v"] == "rad/s"
     assert {"controllers.axis.signal.t.0", "controllers.axis.signal.t.1"} <= set(result.fixed)  # other polynomials
     sampling = {f"controllers.axis.sampling.{n}" for n in ("period", "delay")}  # together they ask for a longer queue
     assert len(sampling & free) == len(sampling & set(result.fixed)) == 1

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import stribeck
 from stribeck.properties import check, replay
 from stribeck.properties.checked import CheckedAlways, check_varied, largest_v_d
+from stribeck.properties.damped import excess as rounded_up
 from stribeck.properties.damped import suffices
 from stribeck.properties.worst import Varied
 from stribeck_verify import verify
@@ -151,6 +152,7 @@ def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
     largest = largest_v_d(Varied(law, ranges))
     excess = 2 / (math.pi * 1e6) if "majorant" in name else 0.0
     assert largest == pytest.approx(math.sqrt(2 * math.e) * (4 / 316.2 - excess), rel=1e-14)
+    assert rounded_up(law) >= Fraction(excess)
     inside, outside = (with_(law, v_d=largest * x) for x in (1 - CLOSE, 1 + CLOSE))
     assert CheckedAlways(Varied(inside, ranges), None, 2400.0).passive().holds
     assert not suffices(Varied(outside, ranges).worst(any_z=True))

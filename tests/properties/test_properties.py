@@ -1,5 +1,6 @@
 """Verdicts on cases with known answers, counterexamples replayed by other means, and laws that are wrong on purpose."""
 
+import math
 import sys
 from pathlib import Path
 
@@ -11,9 +12,12 @@ from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck import Scenario
+from stribeck.expressions.graph import symbol
 from stribeck.laws.base import PARAMETERS
 from stribeck.properties import NAMES, WORK, check
 from stribeck.properties.checked import Checked
+from stribeck.properties.cycles import _longest
+from stribeck.properties.model import Unreadable, finite
 from stribeck.properties.storage import Storage, largest_speed
 from tests.properties import broken_laws
 from tests.reference.apart_parts import bristles
@@ -136,6 +140,16 @@ def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
     assert z == pytest.approx(verdicts.evidence["z_start"], rel=1e-6)
     assert verdicts.evidence["energy_drawn"] > 0
     assert verdicts.evidence["time"] < 60
+
+
+def test_the_longest_stretch_that_is_kept():
+    assert _longest(np.array([True, True, False, True, True, True, False]), 10) == (13, 15)
+
+
+def test_numbers_that_are_none_are_not_treated():
+    for number in (math.inf, math.nan):
+        with pytest.raises(Unreadable, match=f"the equations hold the number {number}"):
+            finite(symbol("v") * number)
 
 
 def test_z_of_arctan_passes_every_level():

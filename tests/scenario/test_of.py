@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import tomllib
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import stribeck
 from stribeck import Scenario, examples
 from stribeck.identify.synthetic import experiment
 from stribeck.laws import BristleLaw, Claims, Scales
+from stribeck.scenario.said import file
 
 TABLES = {
     "plant": {"mass": 1.0},
@@ -110,3 +112,11 @@ def test_a_scenario_does_not_change():
     slippery = scenario.elements.with_values({("contacts.law", "F_c"): 0.5})
     assert slippery.contacts[""].friction.p.F_c == 0.5
     assert slippery.laws == {}  # a law of a file has the numbers of the file
+
+
+def test_long_lists_of_a_page_are_cut():
+    points = {"kind": "points", "t": list(range(40)), "value": [*range(39), 7.5]}
+    law = {"name": "lugre", "parameters": OPEN}
+    code = file(Scenario({"schema": 1, "law": law, **TABLES, "drive": {"kind": "force", "signal": points}})).code
+    shown = tomllib.loads(code)["drive"]["signal"]["value"]
+    assert shown == [*range(8), "... 24 more ...", *range(32, 39), 7.5]

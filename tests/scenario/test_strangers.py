@@ -3,6 +3,7 @@
 import pytest
 import tomli_w
 
+import stribeck
 from stribeck import InputError, Scenario, examples
 from stribeck.cli import _status
 from tests.machine.machines import edited, machine
@@ -67,6 +68,9 @@ def test_others_are_not_unless_trusted(law, place):
     (line,) = refused.value.problems
     assert line.startswith(f"law.name: {law!r}: lies outside the scenario's folder")
     assert "--trust" in line
+    (place / "log.csv").write_text("t,y\n0,0\n1,0\n")
+    with pytest.raises(InputError, match="lies outside"):
+        stribeck.predict(place / "log.csv", machine=path, time="t", position="y")
     assert executed(place) == []
     assert Scenario.load(path, trust=True).as_machine().law.name == "Mine"
     assert executed(place) == ["beside"]

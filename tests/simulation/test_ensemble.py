@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from stribeck import InputError, Scenario, examples, simulate
 from stribeck.simulation import ensemble as module
+from stribeck.simulation.lanes import one_by_one
 from stribeck.simulation.variations import Variations
 from tests.simulation.rig import LAWS, pid, rig, spring
 
@@ -126,6 +128,21 @@ def test_ctrl_c_ends_lanes_at_once_and_in_one_piece(later):
     assert process.returncode in (1, 130, -signal.SIGINT), complaint
     assert "KeyboardInterrupt" in complaint
     assert time.monotonic() - started < 10  # 5000 lanes take minutes
+
+
+def test_a_lane_that_ends_in_an_error_stops_the_others():
+    """Of lanes that run as single runs: each asks from time to time."""
+    started, both = time.monotonic(), threading.Barrier(2)
+
+    def run(lane, check_stopped):
+        both.wait(10)
+        while lane and time.monotonic() < started + 30:
+            check_stopped(0.5)
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        one_by_one(run, [0, 1], 2, None)
+    assert time.monotonic() < started + 20
 
 
 def test_scales_written_for_numbers_serve_lanes(tmp_path):

@@ -107,6 +107,21 @@ def test_fmu(fmi, tmp_path):
         fmpy.simulate_fmu(str(path), stop_time=0.01, output_interval=1e-3, start_values={"u": 1.0})
 
 
+def test_a_constant_that_no_controller_may_have_is_named(tmp_path):
+    need("gcc")
+    stribeck.export(stage("filtered"), "c", tmp_path, part="controller")
+    constants = block_of(stage("filtered"), "controller").constants
+    above = [name for name, (constant, _, _) in constants.items() if constant.above is not None]
+    lines = "".join(
+        f"    stage_axis_defaults(&p), p.{n} = -1;\n    if (stage_axis_check(&p) != stage_axis_BAD_{n}) return 1;\n"
+        for n in above
+    )
+    text = '#include "stage_axis.h"\nint main(void)\n{\n    stage_axis_parameters p;\n%s    return 0;\n}\n'
+    (tmp_path / "check.c").write_text(text % lines)
+    assert above
+    assert output_of(tmp_path, "stage_axis.c", "check.c") == ""
+
+
 def test_a_table_of_the_compensation(tmp_path):
     scenario = stage("measured")
     (path,) = stribeck.export(scenario, "table", tmp_path / "f.csv", part="compensator")
