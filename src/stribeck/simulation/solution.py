@@ -127,15 +127,12 @@ class Solution:
         assert figure is not None
         return figure
 
-    def _repr_svg_(self) -> str:
+    def _repr_html_(self) -> str:
         from stribeck.mouth import plots
         from stribeck.simulation import drawing
 
         with plots.style():
-            return plots.svg(drawing.figure_of({self.scenario.label: self}))
-
-    def _repr_html_(self) -> str:
-        svg = self._repr_svg_()
+            svg = plots.svg(drawing.figure_of({self.scenario.label: self}))
         return f"<p>{escape(printable(repr(self)))}<br>{escape(printable(self.message))}</p>{svg[svg.index('<svg') :]}"
 
     def document(self) -> Document:
