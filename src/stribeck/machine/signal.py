@@ -246,8 +246,10 @@ class Staircase(SignalTable):
     levels: tuple[float, ...] = given_as(
         Constant("", "the signal's levels, one after the other"), many=True, in_code=False
     )
-    hold: float = given_as(waveforms.StaircaseSignal.constants["hold"], in_code=False)
-    ramp: float = given_as(waveforms.StaircaseSignal.constants["ramp"], in_code=False)
+    hold: float = given_as(Constant("s", "how long each level is held", above=0), in_code=False)
+    ramp: float = given_as(
+        Constant("s", "how long the way to the next level takes; 0 jumps", at_least=0, default=0.0), in_code=False
+    )
 
     @cached_property
     def built(self) -> waveforms.Signal:

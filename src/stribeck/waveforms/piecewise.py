@@ -203,10 +203,6 @@ class StaircaseSignal(PointsSignal):
     """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
 
     kind = "staircase"
-    constants: ClassVar[dict[str, Constant]] = {
-        "hold": Constant("s", "how long each level is held", above=0),
-        "ramp": Constant("s", "how long the way to the next level takes; 0 jumps", at_least=0, default=0.0),
-    }
 
     @classmethod
     def through(cls, levels: Array, hold: float, ramp: float) -> StaircaseSignal:
