@@ -26,10 +26,6 @@ Content = Mapping[str, str | bytes]  # of files, by their names
 _WIDTH = 116  # letters of a header's line: 120 with the mark of a comment before it, the width of the code here
 
 
-def _nothing(what: object) -> list[str]:
-    return []
-
-
 @dataclass(frozen=True)
 class Part:
     """One part of a target: what writes it.
@@ -40,7 +36,7 @@ class Part:
     """
 
     files: Callable[[Value], Content]
-    notes: Callable[[Value], list[str]] = _nothing
+    notes: Callable[[Value], list[str]] = lambda _: []
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,8 @@ def design(
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
     vary = [scenario.path_in_machine(x) for x in vary]
     loop = loop_of(scenario)
-    name, ranges = _controller(loop, controller), _ranges(loop, vary)
+    known = [c.name for c in loop.scenario.system.controllers]
+    name, ranges = which_controller(controller or known[0], known), _ranges(loop, vary)
     samples = friction_samples(friction_intervals(loop.scenario, uncertainty))
 
     def part(text: str) -> Callable[[float], None]:
@@ -159,11 +160,6 @@ def design(
         except InputError as error:
             why_not = str(error)
     return Design(loop, name, judgment, tracked, lines, compensations, why_not, over, starts, moves_of(loop, name))
-
-
-def _controller(loop: Loop, name: str | None) -> str:
-    known = [c.name for c in loop.scenario.system.controllers]
-    return which_controller(name or known[0], known)
 
 
 def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:

@@ -168,17 +168,13 @@ class Step(SignalTable):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
 
 
-def _text_of_path(value: object) -> object:
-    return str(value) if isinstance(value, PurePath) else value
-
-
 class File(SignalTable):
     """Two columns of a CSV, Parquet, MAT or NPZ file, read as points."""
 
     made_by, positional = waveforms.FileSignal, ("path", "time", "value")
     kind: Literal["file"] = "file"
     scale: float = given_as(waveforms.FileSignal.constants["scale"], in_code=False)
-    path: Annotated[str, BeforeValidator(_text_of_path)] = Field(
+    path: Annotated[str, BeforeValidator(lambda x: str(x) if isinstance(x, PurePath) else x)] = Field(
         min_length=1, description="CSV, Parquet, MAT or NPZ file, relative to the scenario file"
     )
     time: str = Field(description="name of the column of times")

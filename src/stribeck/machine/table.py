@@ -118,16 +118,15 @@ def given_as(
     info: Held
     if many and declared.default is not None:  # as long as the list before it
         info = Field(
-            default_factory=lambda data: (declared.default,) * _length(data), description=f"{about}; 0 unless given"
+            default_factory=lambda data: (
+                (declared.default,) * next((len(x) for x in data.values() if isinstance(x, tuple)), 0)
+            ),
+            description=f"{about}; 0 unless given",
         )
     else:
         info = Field(... if declared.required else declared.default, description=about, alias=alias)
     info.metadata.append(ConstantField(declared, many, off_at_zero, in_code))
     return info
-
-
-def _length(data: dict[str, object]) -> int:
-    return next((len(x) for x in data.values() if isinstance(x, tuple)), 0)
 
 
 @dataclass(frozen=True)

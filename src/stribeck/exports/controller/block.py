@@ -6,7 +6,6 @@ The equations are those that the simulation samples.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -331,10 +330,6 @@ def block_of(
         period = symbol(f"{each.path}.sampling.period")
         each = each.model_copy(update={"sampling": Sampling.model_construct(period=period)})
     block = Block(scenario, each, part, step or 0.0, origin, options)
-    if bad := _unusable(block.constants):
+    if bad := [name for name in block.constants if name in WORDS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported: rename it" for name in bad])
     return block
-
-
-def _unusable(names: Iterable[str]) -> list[str]:
-    return [name for name in names if name in WORDS or not name.isascii()]

@@ -36,7 +36,9 @@ def files(request: Request) -> Content:
             f"law '{law.name}': has {len(_carried(request))} constants; must be at most {_SLOTS}, which is what an "
             "actuator of MuJoCo can carry"
         )
-    content = {f"{name}.xml": _user_model(request), f"{name}_mujoco.py": _callback(request)}
+    carried = _carried(request)
+    of_user = _model(request, carried.values(), native=False, carried=carried, has_z=request.law.has_z)
+    content = {f"{name}.xml": of_user, f"{name}_mujoco.py": _callback(request)}
     return {**content, f"{name}_dcmotor.xml": _native_model(request)} if maps_to_dcmotor(law) else content
 
 
@@ -67,10 +69,6 @@ def _native_model(request: Request) -> str:
         numbers, viscous = (p.sigma_0, p.sigma_1, p.F_c, p.F_s, p.v_s), p.sigma_2
         mapped = "lugre = sigma_0, sigma_1, F_c, F_s, v_s; damping = sigma_2."
     return _model(request, numbers, native=True, viscous=viscous, mapped=mapped)
-
-
-def _user_model(request: Request) -> str:
-    return _model(request, _carried(request).values(), native=False, carried=_carried(request), has_z=request.law.has_z)
 
 
 def _model(request: Request, numbers: Iterable[float], **values: object) -> str:
