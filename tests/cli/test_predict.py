@@ -7,7 +7,7 @@ from operator import getitem
 import numpy as np
 import pytest
 
-from stribeck import Fit, InputError
+from stribeck import Fit, InputError, predict
 from stribeck.identify.saved import text_with_digest
 from tests.kept import logs
 from tests.shared import places as every_place
@@ -124,6 +124,8 @@ def test_a_strangers_fit_executes_no_law_from_elsewhere(stribeck, fitted, tmp_pa
         process = stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit")
         assert (process.status, process.out) == (2, "")
         assert all(word in process.err for word in ("would be executed", "--trust"))
+        with pytest.raises(InputError, match="would be executed"):
+            predict(fitted / "train.csv", tmp_path / "fit")
         assert not (tmp_path / "executed").exists()
     stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit", "--trust")
     assert (tmp_path / "executed").exists()

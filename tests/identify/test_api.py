@@ -7,6 +7,8 @@ import pytest
 import stribeck
 from stribeck import InputError
 from stribeck.identify.log import Log
+from stribeck.identify.validate import _changes
+from tests.simulation.rig import rig
 
 STEP = 1e-3
 T = np.arange(4000) * STEP
@@ -44,6 +46,12 @@ def test_the_share_that_is_done_rises_while_a_static_fit_runs(law):
     assert len(shares) >= 3
     assert shares == sorted(set(shares))
     assert 0.0 < shares[0] < 0.3 < shares[-1] < 1.0
+
+
+def test_a_machine_begins_as_the_record_does():
+    scenario = stribeck.Scenario(rig("lugre", "force", {"kind": "ramp", "rate": 1.0}, 1.0))
+    changes = _changes(scenario, {"command": T, "position": 2 + T, "velocity": 3 + T}, T)
+    assert (changes["plant.initial.y"], changes["plant.initial.v"]) == (2.0, 3.0)
 
 
 def test_a_column_that_is_none_is_not_given():

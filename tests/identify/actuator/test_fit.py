@@ -1,9 +1,11 @@
 """Machines whose numbers are known by construction: found, with intervals that hold them; or said not to be told."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stribeck.errors import StribeckError
+from stribeck.errors import InputError, StribeckError
 from stribeck.identify.actuator import estimate as estimation
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
@@ -43,6 +45,8 @@ def test_the_truth_lies_in_the_intervals(recordings):
     assert fitted.error(held_out=True) < 0.02
     assert fitted.baselines["no friction"]["held_out"] > 5 * fitted.error(held_out=True)
     assert fitted.data["bodies"]["a"]["mass"] == fitted.estimates[MASS].value
+    with pytest.raises(InputError, match="it holds no recording; there is nothing to plot"):
+        replace(fitted, logs=[]).plot()
 
 
 def test_a_number_short_of_its_optimum_is_not_identified(recordings, monkeypatch):
