@@ -347,15 +347,6 @@ def first(scenario: Scenario) -> Tolerances:
     return Tolerances(np.array([[atol[state.name] for state in scenario.system.states]]), np.ones(1))
 
 
-def _most_attempts(accepted: int, rows: int) -> int:
-    """The most attempted steps of a pass with tighter tolerances.
-
-    Tolerances 1e-3 times as large need 1e3^(1/5) = 4 times the steps, and each row ends a step; a margin is added. If
-    rounding is larger than the tolerance, steps never get longer, and the pass ends here.
-    """
-    return 100 * (accepted + rows) + 10_000
-
-
 def solve_to_promise(
     scenario: Scenario,
     once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]],
@@ -382,7 +373,9 @@ def solve_to_promise(
         if not promise.mends(coarse.tolerances, missed)[0]:
             break
         wanted = promise.tightened(coarse.tolerances, coarse.measured, missed)
-        finer, fine = run(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
+        # tolerances 1e-3 times as large need 1e3^(1/5) = 4 times the steps, and each row ends one; where rounding is larger
+        # than a tolerance, steps never get longer, and the pass ends here
+        finer, fine = run(wanted, min(most, 100 * (result.stats["accepted"] + scenario.rows) + 10_000))
         if finer.reason is not None:
             break
         missed = promise.after(missed, coarse, fine)

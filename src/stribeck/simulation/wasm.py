@@ -105,13 +105,7 @@ def solve(code: wasmtime.Module, system: System, scenario: Scenario, progress: P
     return solve_to_promise(scenario, once)
 
 
-def _instance(code: wasmtime.Module) -> engine.Instance:
-    """The instance that this thread used last, if it is of this module; otherwise a new one."""
-    last, _of_thread.last = getattr(_of_thread, "last", None), None
-    return last[1] if last is not None and last[0] is code else engine.Instance(code)
-
-
-_of_thread = threading.local()
+_of_thread = threading.local()  # the module that this thread used last, and its instance
 
 
 @atexit.register
@@ -125,7 +119,8 @@ def in_memory(
     code: wasmtime.Module, system: System, scenario: Scenario, given: SolverInput, use: Callable[[Solving], Made]
 ) -> Made:
     """What ``use`` makes of a run whose arrays lie in the memory of an instance."""
-    instance = _instance(code)
+    last, _of_thread.last = getattr(_of_thread, "last", None), None
+    instance = last[1] if last is not None and last[0] is code else engine.Instance(code)
     event_room = max(EVENT_ROOM, 16 * (len(scenario.system.watched) + 1))
     arrays = given.arrays(scenario, event_room)
     heap = -(-system.end // LINE) * LINE
