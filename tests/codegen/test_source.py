@@ -1,6 +1,7 @@
 """The generated C as a text: it compiles without a warning, its names are readable and clash with nothing."""
 
 import cProfile
+import ctypes
 import subprocess
 import threading
 
@@ -9,6 +10,8 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.codegen import source
+from stribeck.codegen.source import SAME, runtime_text
+from stribeck.codegen.source import STRICT as AS_WRITTEN
 from stribeck.laws import BristleLaw
 from stribeck.laws.form import USUAL
 from stribeck.simulation import compiler, simulate
@@ -167,3 +170,20 @@ def test_the_work_grows_little_faster_than_the_machine():
         profile.disable()
         calls.append(sum(each.callcount for each in profile.getstats()))
     assert calls[1] < 2.6 * calls[0]
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", SAME)
+def test_functions_of_plus_and_times_alone_are_near_those_of_numpy(name, tmp_path):
+    """Within the units of the last place that runtime/portable.c states, and one of NumPy's."""
+    head = "#define UNUSED __attribute__((unused))\n#include <math.h>\n#pragma GCC visibility push(default)\n"
+    text = f"{runtime_text('portable.c')}\ndouble call(double x) {{ return same_{name}(x); }}\n"
+    (tmp_path / "same.c").write_text(head + AS_WRITTEN + text)
+    compiler.find().build(tmp_path / "same.c", tmp_path / "same.so")
+    called = ctypes.CDLL(str(tmp_path / "same.so")).call
+    called.restype, called.argtypes = ctypes.c_double, [ctypes.c_double]
+    random = np.random.default_rng(0)
+    x = np.concatenate([random.uniform(-3, 3, 2000), random.choice([-1, 1], 2000) * 10 ** random.uniform(-8, 2, 2000)])
+    exact = {"atan": np.arctan}.get(name, getattr(np, name, None))(x)
+    off = abs(np.array([called(each) for each in x]) - exact) / np.spacing(abs(exact))
+    assert np.max(off) <= {"atan": 4, "tanh": 7}.get(name, 2)

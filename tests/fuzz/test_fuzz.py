@@ -80,15 +80,8 @@ def test_the_attack_sees_a_machine_that_is_off(attack, monkeypatch):
     machines = attack["machines"]
     data = machines.random_machine(5)
     assert machines.one(data) == ("agree", None)
-    other = {
-        **data,
-        "bodies": {
-            n: {**b, **({"mass": 1.01 * b["mass"]} if "mass" in b else {"inertia": 1.01 * b["inertia"]})}
-            if "velocity" not in b
-            else b
-            for n, b in data["bodies"].items()
-        },
-    }
+    bodies = {n: b | {k: 1.01 * b[k] for k in ("mass", "inertia") if k in b} for n, b in data["bodies"].items()}
+    other = {**data, "bodies": bodies}
     solve = machines.apart.solve
     monkeypatch.setattr(machines.apart, "solve", lambda _, **more: solve(other, **more))
     what, fault = machines.one(data)

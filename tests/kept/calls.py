@@ -147,13 +147,11 @@ SIGNALS = {
     "spline": {"t": [0.0, 0.3, 0.7, 1.0], "value": [0.0, 0.4, -0.2, 0.1]},
     "square": {"amplitude": 1.0, "frequency": 2.0},
     "staircase": {"levels": [0.1, 0.5, -0.4], "hold": 0.3, "ramp": 0.05},
-    "sum": {
-        "of": [
-            {"kind": "sine", "amplitude": 1.0, "frequency": 1.0},
-            {"kind": "points", "t": [0.1, 0.4, 0.4, 0.9], "value": [0, 1, -1, 2]},
-        ]
-    },
-}
+    "sum": {"of": [
+        {"kind": "sine", "amplitude": 1.0, "frequency": 1.0},
+        {"kind": "points", "t": [0.1, 0.4, 0.4, 0.9], "value": [0, 1, -1, 2]},
+    ]},
+}  # fmt: skip
 
 
 POINTS = {  # what may stand in a signal's points

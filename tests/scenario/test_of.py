@@ -16,11 +16,9 @@ from stribeck.laws import BristleLaw, Claims, Scales
 from stribeck.scenario.said import file
 
 TABLES = {
-    "plant": {"mass": 1.0},
-    "drive": {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}},
-    "solve": {"t_end": 0.5},
-    "output": {"step": 0.01},
-}
+    "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}},
+    "solve": {"t_end": 0.5}, "output": {"step": 0.01},
+}  # fmt: skip
 OPEN = {"sigma_0": 1e5, "sigma_1": 316.2, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 
 

@@ -131,7 +131,6 @@ def test_ctrl_c_ends_lanes_at_once_and_in_one_piece(later):
 
 
 def test_a_lane_that_ends_in_an_error_stops_the_others():
-    """Of lanes that run as single runs: each asks from time to time."""
     started, both = time.monotonic(), threading.Barrier(2)
 
     def run(lane, check_stopped):

@@ -19,25 +19,17 @@ CASES = {
     "elastic": {**CASCADE, "compensation": {"speed": "reference", "law": ELASTIC}, "signal": WAVE},
     "dithered": {**CASCADE, "dither": {"amplitude": 5.0, "frequency": 73.0}},
     "square": {
-        "kind": "pid",
-        "K_p": 9e3,
-        "K_d": 200.0,
-        "dither": {"kind": "square", "amplitude": 5.0, "frequency": 125.0},
+        "kind": "pid", "K_p": 9e3, "K_d": 200.0, "dither": {"kind": "square", "amplitude": 5.0, "frequency": 125.0},
     },
     "filtered": {"kind": "pid", "K_p": 9e3, "K_d": 200.0, "K_i": 2e4, "sampling": {**SAMPLING, "bandwidth": 800.0}},
-}
+}  # fmt: skip
 
 
 def stage(case="measured", **changes):
     """A mass on a guide, with a controller ``axis``; rows at the samples."""
     own = {"on": "a", "measures": "a", "signal": MOVE, "sampling": SAMPLING, **CASES[case], **changes}
-    data = machine(
-        {"a": {"mass": 2.0}},
-        0.4,
-        energy=False,
-        contacts={"guide": {"from": "a", "law": RUB}},
-        controllers={"axis": own},
-    )
+    sections = {"contacts": {"guide": {"from": "a", "law": RUB}}, "controllers": {"axis": own}}
+    data = machine({"a": {"mass": 2.0}}, 0.4, energy=False, **sections)
     data["name"] = "stage"
     data["output"]["step"] = 1e-3
     return Scenario(data)
