@@ -160,8 +160,8 @@ def estimate(
     if rough or free.stopped:
         return free
 
-    def converged(bandwidths: Sequence[float], last: BestPoint | None = None) -> BestPoint:
-        best = _weighted(_as_free_as_possible(begun, near, free, bandwidths, last))
+    def converged(last: BestPoint | None = None) -> BestPoint:
+        best = _weighted(_as_free_as_possible(begun, near, free, guided, last))
         if best.problem.colored and not best.stopped:
             try:
                 best.under_guide = search_.under_guide(near)
@@ -172,47 +172,60 @@ def estimate(
 
     fitted_sensor = any(c.output is not None for c in sought)  # which guides nothing
     guided = [] if fitted_sensor else guides.bandwidths[1:]
-    best = converged([0.0, *guided])
+    best = converged()
     if not best.bandwidth and guided and not best.stopped and best.doubtful():
-        other = converged(guided, best)
+        other = converged(best)
         best = other if other.bandwidth else best
     return best
 
 
 def _as_free_as_possible(
-    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, bandwidths: Sequence[float],
+    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, guides: Sequence[float],
     last: BestPoint | None = None,
 ) -> BestPoint:  # fmt: skip
     """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
     It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
-    the sensors' noise: slopes along another motion than the real one bend the estimates. If no guide hides it, the one with
-    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth. ``last``: a converged fit, where each
-    begins at the values of the one before it.
+    the sensors' noise: slopes along another motion than the real one bend the estimates. All stiffer ones do so too, and it is
+    found by halving them. If no guide hides the error, the one with the least is taken.
+
+    Args:
+        begun: the problem under the guide of a bandwidth, at some values.
+        guides: the bandwidths of the guides, the loosest first.
+        last: a converged free fit that strays; each guide begins at the values under the one before it.
     """
-    scenario = free.problem.runs[0].scenario
-    why = f"the machine alone strays from the measured motion: {_GUIDED}" if last else ""
-    moves = any(x.free for x in scenario.system.bodies)
-    chosen, least = free, np.inf
-    for bandwidth in bandwidths:
-        best = begun(bandwidth, last.values() if last else near.at(bandwidth)) if bandwidth else free
+    moves, why = any(x.free for x in free.problem.runs[0].scenario.system.bodies), ""
+
+    def error(best: BestPoint) -> float:
+        """The error of the simulated state, once converged; infinite where the fit cannot be used."""
+        nonlocal why
         weigh(best.problem, best.u, white=False)
         solution = search(best.problem, best.u, small=ROUGHLY)
         best.u, best.stopped = solution.u, solution.stopped
-        last = best if last else None
+        missed = not best.stopped and best.missed()
+        if not best.stopped and (missed or (moves and not steady(best.problem, best.u))):
+            why = why or (
+                "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
+            )
+            return np.inf
+        return best.state_error() if best.bandwidth and not best.stopped else 0.0
+
+    if last is not None:
+        why = "the machine alone strays from the measured motion"
+    elif error(free) == 0.0:
+        return free
+    chosen, least, low, high = free, np.inf, 0, len(guides)
+    while low < high:
+        middle = (low + high) // 2
+        best = begun(guides[middle], last.values() if last else near.at(guides[middle]))
+        off = error(best)
         if best.stopped:
             return best
-        missed = best.missed()
-        if missed or (moves and not steady(best.problem, best.u)):
-            reason = "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
-            why = why or f"{reason}: {_GUIDED}"
-            continue
-        error = best.state_error() if bandwidth else 0.0
-        if error < least:
-            chosen, least = best, error
-        if error <= _HIDDEN**2:
-            break
-    chosen.notes += [why] if chosen is not free else []
+        last, hidden = best if last else None, off <= _HIDDEN**2
+        if hidden or off < least:
+            chosen, least = best, off
+        low, high = (low, middle) if hidden else (middle + 1, high)
+    chosen.notes += [f"{why}: {_GUIDED}"] if chosen is not free else []
     return chosen
 
 
