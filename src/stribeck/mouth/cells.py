@@ -72,7 +72,7 @@ def _in_places(x: float, size: float) -> str:
     text = f"{near:.7g}"
     if "e" in text:
         return f"{x:.{max(math.floor(math.log10(abs(x))) + places, 0)}e}"
-    return f"{near:.{places}f}" if 0 <= places <= 5 else text
+    return f"{near:.{places}f}" if places >= 0 else text
 
 
 def _half(value: float, interval: tuple[float, ...]) -> float:
