@@ -90,6 +90,13 @@ def test_a_fit_that_leaves_a_quarter_of_the_force_identifies_nothing():
     assert not any(e.state is EstimateState.IDENTIFIED for e in fitted.values())
 
 
+def test_a_number_that_one_file_alone_shows_is_as_certain_as_there():
+    """Of two files, one moves too slowly for the mass."""
+    mass = judged(choice_of(joined(record(6, slow=0.05), record(7))))["mass"]
+    assert inside(mass, 2.0)
+    assert np.diff(mass.interval) < 0.05
+
+
 def test_the_spread_between_files_is_in_the_interval():
     levels = (4.6, 5.0, 5.4)
     apart = judged(choice_of(joined(*(record(6 + i, F_c=x, F_s=x + 3) for i, x in enumerate(levels)))))["F_c"]

@@ -1,6 +1,7 @@
 """Static fits as a user asks for them: published numbers, the rules of what is reported, refusals."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -64,6 +65,14 @@ def test_a_speed_that_is_met_within_a_play_only_is_not_seen():
     assert v_s < fit["v_s"].range[1]
     low, high = fit.levels["level slow"].range
     assert low < TRUTH["F_c"] + 3 * np.exp(-((slow / v_s) ** 2)) + TRUTH["sigma_2"] * slow < high
+
+
+def test_friction_that_grows_with_a_load_column_is_found_once():
+    """A form with the law's smooth sign took nine tenths of the term, whose sign is exact."""
+    log = record(9, extra=lambda t, y, v, a: np.tanh(200 * v) * (7 + 2 * np.sin(1.7 * t)), F_c=0.0, F_s=0.0, slow=0.1)
+    fit = stribeck.fit(replace(log, load=60 + 40 * np.sin(1.7 * log.time)), "stribeck_tanh")
+    assert not any("load" in form for form in fit.forms)
+    assert fit["F_c_by_load"].interval[0] < 0.05 < fit["F_c_by_load"].interval[1] < 0.06
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):

@@ -89,7 +89,7 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     columns |= _of_place(log, sign, at)
     for name in ("load", "pressure"):
         if (x := getattr(log, name)) is not None:
-            columns[f"level by {name} column", ""] = partial(np.multiply, sign, x)
+            columns[f"level by {name} column", ""] = partial(np.multiply, np.sign(v), x)  # as the term of this column
     t = 2 * (log.time - log.time[0]) / max(float(np.ptp(log.time)), 1e-300) - 1
     for k in range(1, WAVES + 1):  # a straight line over the record, from -1 to 1, then cosines
         after, wave = (" " + str(k), np.cos(np.pi * k * (t + 1) / 2)) if k > 1 else ("", t)

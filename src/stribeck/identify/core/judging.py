@@ -16,7 +16,7 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Of, Selection, rows_together
-from stribeck.identify.core.library import RIDGE, ModelLibrary
+from stribeck.identify.core.library import RIDGE
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 
 DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
@@ -91,10 +91,10 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
     i = lib.index(model)
+    natural = np.array(lib.natural)[i]
     total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
     gram, rows = total[np.ix_(i, i)], len(r)
-    blocks = _jackknife(lib, lib.gram, i, slope)
-    natural = np.array(lib.natural)[i]
+    blocks = _jackknife(lib.gram, i, natural, slope)
     moved = np.diag(gram) / natural
     prior = np.diag(np.maximum(moved, 1e-12 * np.max(moved)) * natural) / rows / lib.largest**2
     left = max(float(r @ r) / rows, 1e-12 * lib.largest**2)
@@ -104,14 +104,16 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     both = np.max([blocks, newey_west(j, r, to_estimates), unseen, np.sqrt(known)], axis=0)
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
-    if len(files) > 1:  # the interval must cover another run
-        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(lib, files, i, slope))
+    if (n := len(files)) > 1:  # the interval must cover another run
+        # By each file's pull on the fit of all: without a file that alone shows a number, nothing would be left of it.
+        pulls = (files[:, i, 0] - files[np.ix_(range(n), i, i)] @ x[: len(i)]) @ to_estimates.T
+        out = np.maximum(out, student.ppf(0.975, n - 1) * np.sqrt(n / (n - 1) * np.sum(pulls**2, axis=0)))
     return np.asarray(out)
 
 
-def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], slope: Array) -> Array:
+def _jackknife(gram: Array, i: list[int], natural: Array, slope: Array) -> Array:
     """Standard errors of the estimates by the jackknife: each part is left out once."""
-    total, count, natural = gram.sum(0), len(gram), np.array(lib.natural)[i]
+    total, count = gram.sum(0), len(gram)
     left = [total - g for g in gram]
     left_out = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, 0]) for g in left])
     return np.asarray(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(axis=0)) ** 2, axis=0)))
