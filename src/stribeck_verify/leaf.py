@@ -362,7 +362,7 @@ class Leaf:
             e = self(power)
             if not (e.above.is_constant() and e.below.is_constant()) or e.above == 0:
                 return None
-            exact = fmpq(e.above.leading_coefficient()) / fmpq(e.below.leading_coefficient())
+            exact = fmpq(e.above.leading_coefficient())  # Ring.reduced leaves no constant divisor but 1
             n = int(exact.floor())
             rest = exact - n
             if not -_MOST <= n <= _MOST or (n == 0 and rest != fmpq(1, 2)):

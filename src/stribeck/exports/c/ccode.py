@@ -45,11 +45,7 @@ class CWriter(Writer):
 
     def _format(self, node: Expr) -> tuple[str, int]:
         text, precedence = super()._format(node)
-        if node.op != "constant":
-            return text, precedence
-        assert isinstance(node.value, float)
-        sign, size = ("-", text[1:]) if text.startswith("-") else ("", text)
-        return (f"{sign}R({size})" if size[0].isdigit() else f"(real)({text})"), precedence
+        return (f"R({text})" if node.op == "constant" else text), precedence
 
 
 def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], names: Names) -> str:

@@ -73,7 +73,6 @@ def rows(block: Block) -> list[tuple[str, ...]]:
     for _ in range(_ROWS):
         x = [float(np.float32(size[name.partition(".")[2]] * random.uniform(-1, 1))) for name in inputs]
         x = [abs(round(v)) if name == "state.readings" else v for name, v in zip(inputs, x, strict=True)]
-        x = [abs(v) if name == f"state.{PHASE}" else v for name, v in zip(inputs, x, strict=True)]
         with np.errstate(all="ignore"):
             out = [float(v) for v in function(*constants.values(), *x)]
         pairs = zip(out[: len(wanted)], out[len(wanted) :], strict=True)
