@@ -15,6 +15,8 @@ from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
 from stribeck.properties import WORK, check
 from stribeck.properties.checked import Checked
+from stribeck.properties.enclosed import least
+from stribeck.properties.model import Model
 from stribeck.properties.prover import atoms
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, signs
 from stribeck.properties.prover.leaf import Leaf, Rules
@@ -56,6 +58,14 @@ def test_signs_of_polynomials():
     assert signs(square, [UNIT], [False]) == (True, False, False)
     assert signs({(0, 1): fmpq(1), (0, 0): fmpq(-1)}, [POSITIVE], [False]) == (False, False, False)
     assert signs({(1, 0): fmpq(1), (0, 0): fmpq(-3)}, [None], [False]) == (True, False, True)  # pi - 3
+    sums = []
+    assert signs({(0, 3): fmpq(1), (0, 4): fmpq(-1)}, [UNIT], [True], sums.append)[0]  # x^3 (1 - x), x > 0
+    assert sums == [3]  # of 1 - x alone
+
+
+def test_a_lower_bound_is_found_by_bisection():
+    model = Model(stribeck.law("lugre", TABLE_1))
+    assert 0 < least(model, symbol("z") * (symbol("z") - 1) + 1, 1.0, 0.0, 1.0) <= 0.75
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from flint import fmpq
 from stribeck_verify import schema
 from stribeck_verify.expressions import Node, Refused, derivative, name, read, replace
 from stribeck_verify.identities import Normal, written_out
-from stribeck_verify.intervals import evaluate
+from stribeck_verify.intervals import Evaluation, evaluate
 from stribeck_verify.leaf import Leaf, Region
 
 U, W = name("u"), name("w")
@@ -287,3 +287,12 @@ def test_a_divisor_that_may_be_0_is_refused(expression):
         Leaf(Region(axes, axes, False), []).holds(read(expression, NAMES), ">=0")
     if expression[-1] == "u":
         assert Leaf(Region(axes, axes, True), []).holds(read(expression, NAMES), ">=0")
+
+
+def test_what_is_plainly_so_is_accepted():
+    """One condition in two forms, the root of a square, and a quotient by what is < 0 and begins at 0."""
+    normal, box = Normal(), {"u": (fmpq(0), fmpq(2))}
+    conditions = (["le", "u", "w"], ["le", ["sub", "u", "w"], "0"])
+    assert len({normal.key(read(["where", c, "u", "w"], NAMES)) for c in conditions}) == 1
+    assert Leaf(Region(box, box, True), []).holds(read(["sub", ["sqrt", ["mul", "u", "u"]], "u"], NAMES), "=0")
+    assert Evaluation(box, positive=True)(read(["div", "1", ["neg", "u"]], NAMES)) == (None, fmpq(-1, 2))

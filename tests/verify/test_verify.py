@@ -16,11 +16,14 @@ import numpy as np
 import pytest
 from flint import fmpq
 
+import stribeck
 from stribeck.properties.statement import statement
 from stribeck.properties.verdicts import Verdict
 from stribeck_verify import theorems, verify
 from stribeck_verify.__main__ import main
+from stribeck_verify.equations import compare_bound
 from stribeck_verify.expressions import Refused
+from stribeck_verify.theorems import read_case
 from tests.shared import places
 from tests.verify import hand_made as by_hand
 from tests.verify.hand_made import ALL, SIGNS, certificate, claim
@@ -136,20 +139,15 @@ def test_a_yes_without_a_certificate_is_not_verified():
 
 @pytest.mark.parametrize("law", ["bounds.HalfTheDecay", "literature.RootMajorant", "lugre_arctan"])
 def test_another_law_is_refused(law):
-    if law == "lugre_arctan":
-        import stribeck
-
-        other = stribeck.law(law, by_hand.MILD, k_v=1e6)
-    else:
-        other = by_hand.law(law)
+    other = stribeck.law(law, by_hand.MILD, k_v=1e6) if law == "lugre_arctan" else by_hand.law(law)
     assert "equation" in refusal(by_hand.bounded(), other) or "Z is" in refusal(by_hand.bounded(), other)
 
 
 def test_other_constants_are_refused():
-    import stribeck
-
     other = stribeck.law("lugre", by_hand.MILD, sigma_2=100.00000000000001)
     assert "equation of F" in refusal(by_hand.passive(), other)
+    with pytest.raises(Refused, match=r"Z is 1\.5, the law's is 1\.4142"):
+        compare_bound({"Z": ["sqrt", 2.0], "constants": {}}, fmpq(3, 2))
 
 
 def test_random_changes_do_not_crash_it():
@@ -280,8 +278,6 @@ def test_splits_and_polar_coordinates():
         return {**data, "claims": [claim("divisor", 1, 1, "!=0", w=w, tree=tree, expression=top)]}
 
     from stribeck_verify import claims as of
-    from stribeck_verify.expressions import Refused
-    from stribeck_verify.theorems import read_case
 
     def proved(tree: Any, w: Any = ALL, u: Any = ALL) -> bool:
         case = read_case(
@@ -378,9 +374,6 @@ def whole_certificates():
 
 @pytest.mark.parametrize("name", [*RIGHT, "damped"])
 def test_every_field_has_its_type_also_those_that_the_theorem_does_not_use(name):
-    from stribeck_verify.expressions import Refused
-    from stribeck_verify.theorems import read_case
-
     whole = whole_certificates()[name]
     assert read_case(whole).property == whole["property"]
     values = cycle((None, 1.5, {"a key that none has": 1}, True, [["1"]]))
