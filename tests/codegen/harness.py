@@ -38,6 +38,7 @@ EXPORT int test_events(double level, double v0, double v1, const double *d, doub
     bernstein_of_dense(v0, v1, d[0], d[1], d[2], b);
     return events_within(level, b, s, what);
 }
+EXPORT void test_values(const double *f, double *b) { bernstein_of_values(f, b); }
 #endif
 """
 

@@ -169,6 +169,8 @@ def test_fmu(fmi, scenario, exact, tmp_path):
         pushed.replace({"loads.push.signal": constant, "contacts.s.law.parameters.F_c": 0.7, "bodies.a.mass": 0.6})
     )
     close({n: solution[n] for n in names}, {n: other[n] for n in names})
+    far = np.array([(0.2, 0.0), (0.2, 0.1)], dtype=[("time", float), ("links.far.from.signal", float)])
+    assert_balanced(fmpy.simulate_fmu(str(path), **times, input=far))  # an input that jumps under a stressed link
     with pytest.raises(Exception, match="fmi"):
         fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
 

@@ -1,6 +1,7 @@
 """Machines as Python objects: the same tables as a file, the same validation, the same numbers."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 import stribeck as st
 from stribeck import examples
 from stribeck.exports.fmu.description import dimensions
-from stribeck.laws import builtin
+from stribeck.laws import BristleLaw, builtin
 from stribeck.machine.table import ConstantField, FileTable
 
 
@@ -79,6 +80,7 @@ def test_an_element_is_its_equations():
     assert gear.force(3e-4, 0.0) == pytest.approx(9e3 * 2e-4)
     np.testing.assert_allclose(gear.stored_energy(np.array([0.0, 1e-4, 3e-4])), [0.0, 0.0, 9e3 * (2e-4) ** 2 / 2])
     assert gear == st.Link("gear", "rotor", "arm", ratio=0.01, stiffness=9e3, damping=2.0, gap=2e-4)
+    assert st.signals.File(Path("run.csv"), "t", "F").path == "run.csv"
     with pytest.raises(Exception, match="frozen"):
         gear.gap = 1.0
 
@@ -98,8 +100,6 @@ def test_the_bristles_of_a_contact_may_begin_deflected():
 
 
 def test_a_law_of_ones_own_in_a_contact():
-    from stribeck.laws import BristleLaw
-
     class Own(BristleLaw):
         """A law without a file."""
 

@@ -1,6 +1,7 @@
 """Slip and stick: where |v| rises, and falls, through v_s."""
 
 import ctypes
+import math
 
 import numpy as np
 import pytest
@@ -81,7 +82,8 @@ def bernstein(values):
 
 def events_of(library, v0, v1, d, threshold):
     times, rises, number = np.zeros(16), np.zeros(16, np.int8), ctypes.c_double
-    count = library.test_events(number(threshold), number(v0), number(v1), np.ascontiguousarray(d), times, rises)
+    arrays = (each.ctypes for each in (np.ascontiguousarray(d), times, rises))
+    count = library.test_events(number(threshold), number(v0), number(v1), *arrays)
     return [(float(t), not what & 1) for t, what in zip(times[:count], rises[:count], strict=True)]
 
 
@@ -89,8 +91,6 @@ def events_of(library, v0, v1, d, threshold):
 def test_every_crossing_within_one_step(tmp_path):
     """Quartics of all shapes through both levels, against NumPy's roots."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
-    numbers = np.ctypeslib.ndpointer(np.float64)
-    library.test_events.argtypes = [*[ctypes.c_double] * 3, numbers, numbers, np.ctypeslib.ndpointer(np.int8)]
     random, most = np.random.default_rng(1), 0
     for _ in range(3000):
         values = random.uniform(-1, 1, 5) * random.choice([0.5, 2.0, 4.0])
@@ -107,14 +107,16 @@ def test_every_crossing_within_one_step(tmp_path):
         np.testing.assert_allclose([s for s, _ in result], [s for s, _ in expected], rtol=0, atol=1e-7)
         most = max(most, len(result))
     assert most >= 6
+    coefficients, s = np.zeros(5), np.linspace(0, 1, 5)
+    library.test_values(values.ctypes, coefficients.ctypes)
+    basis = [math.comb(4, i) * s**i * (1 - s) ** (4 - i) for i in range(5)]
+    np.testing.assert_allclose(coefficients @ basis, values, rtol=1e-13, atol=1e-13)
 
 
 @needs_compiler
 def test_a_speed_that_rests_at_the_threshold_does_not_search_for_ever(tmp_path):
     """Rounding around v_s has many signs and no crossings worth finding."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
-    numbers = np.ctypeslib.ndpointer(np.float64)
-    library.test_events.argtypes = [*[ctypes.c_double] * 3, numbers, numbers, np.ctypeslib.ndpointer(np.int8)]
     random = np.random.default_rng(2)
     for _ in range(200):
         v0, v1, *d = 1e-19 * random.uniform(-1, 1, 5)

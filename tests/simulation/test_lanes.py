@@ -27,7 +27,7 @@ EXPORT void stribeck_{0}(double *x)
     for (int lane = 0; lane < LANES; lane++) x[lane] = values[lane];
 }}
 """
-OPERATIONS = OPERATION.format("exp") + OPERATION.format("atan")
+OPERATIONS = "".join(map(OPERATION.format, ("exp", "atan", "sign")))
 VALUES = {"law.k_v": np.geomspace(1e6, 1e8, 11), "law.parameters.F_s": np.linspace(1.1, 1.9, 11)}
 
 
@@ -72,6 +72,7 @@ def test_functions_at_the_ends():
     ends = np.array([0.0, -0.0, -701.0, -1e300, -np.inf, 0.66, 2.4142135623730951])
     assert np.array_equal(evaluated("stribeck_exp", ends)[:5], [1, 1, 0, 0, 0])
     np.testing.assert_allclose(evaluated("stribeck_atan", ends), np.arctan(ends), rtol=4e-16)
+    assert np.array_equal(evaluated("stribeck_sign", ends), np.sign(ends))
     assert np.all(np.isnan(evaluated("stribeck_atan", np.array([np.nan]))))
 
 
