@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from stribeck.files import trouble, write_text
+from stribeck.mouth.plots import plain
+from stribeck.simulation import backend
 from tests.shared import needs_links
 
 VELOCITY = 'drive={kind="velocity",signal={kind="sine",amplitude=0.1,frequency=1e15}}'
@@ -97,8 +99,6 @@ def test_names_in_plots(stribeck, scenario, tmp_path, name):
 
 
 def test_a_long_label_is_cut_and_nothing_in_it_is_a_formula():
-    from stribeck.mouth.plots import plain
-
     assert plain("$x$") == r"\$x\$"
     assert len(plain("x" * 3000)) == 60
     assert not plain("_x").startswith("_")
@@ -158,8 +158,6 @@ def test_errors_name_the_users_file(tmp_path, stribeck, scenario):
 
 
 def test_no_memory_is_one_line(stribeck, scenario, monkeypatch):
-    from stribeck.simulation import backend
-
     def full(*args):
         raise MemoryError("Unable to allocate 8. TiB")
 

@@ -17,6 +17,7 @@ from stribeck.identify import written
 from stribeck.identify.actuator import MachineFit
 from stribeck.identify.result import LogFit
 from stribeck.mouth import page as pages
+from stribeck.simulation.native import Solving
 from tests.identify.actuator.recorded import body, logs, record
 from tests.kept import logs as kept_logs
 
@@ -218,8 +219,6 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
 @pytest.mark.parametrize(("backend", "number"), [("wasm", "contacts.rail.law.k_v"), ("auto", "solve.rtol")])
 def test_lanes_one_by_one_end_soon(backend, number, monkeypatch):
     """Single runs in threads look whether anybody still wants them."""
-    from stribeck.simulation.native import Solving
-
     monkeypatch.setenv("STRIBECK_BACKEND", backend)
     started, integrate, stopped = [], Solving.integrate, threading.Event()
 

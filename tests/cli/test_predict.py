@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stribeck import Fit, InputError, predict
+from stribeck.cli import _status
 from stribeck.identify.saved import text_with_digest
 from tests.kept import logs
 from tests.shared import places as every_place
@@ -17,8 +18,6 @@ COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory):
-    from stribeck.cli import _status
-
     folder = tmp_path_factory.mktemp("fit")
     logs.write("log.csv", folder / "train.csv")
     words = ["fit", str(folder / "train.csv"), "--law", "coulomb_viscous", *COLUMNS, "--out", str(folder / "out")]

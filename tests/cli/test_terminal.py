@@ -1,13 +1,18 @@
 """What a terminal of 80 columns shows: lines that end between words, an example for each command, completion."""
 
+import io
 import os
 import re
 import subprocess
 import sys
+import time
+from contextlib import contextmanager
 
 import pytest
 
 from stribeck import examples
+from stribeck.cli import _status
+from stribeck.cli import progress as show
 from stribeck.mouth.terminal import _said
 
 
@@ -43,11 +48,6 @@ def test_completion_knows_the_commands(tmp_path):
 
 
 def test_progress_moves_though_nothing_is_told(monkeypatch):
-    import io
-    import time
-
-    from stribeck.cli import progress as show
-
     class Terminal(io.StringIO):
         def isatty(self):
             return True
@@ -65,11 +65,6 @@ def test_progress_moves_though_nothing_is_told(monkeypatch):
 
 
 def test_a_log_file_gets_lines_of_progress(monkeypatch):
-    import io
-    import time
-
-    from stribeck.cli import progress as show
-
     log = io.StringIO()
     monkeypatch.setattr(sys, "stderr", log)
     monkeypatch.setattr(show, "_EVERY", 0.05)
@@ -94,11 +89,6 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
 )
 def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
     """Whatever may take more than two seconds; a fit, a prediction and a design have tests of their own."""
-    from contextlib import contextmanager
-
-    from stribeck.cli import _status
-    from stribeck.cli import progress as show
-
     asked = []
 
     @contextmanager

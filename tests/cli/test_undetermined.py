@@ -1,11 +1,15 @@
 """Parameters that a fit could not determine: written with their best values, marked, and used only where that is allowed."""
 
 import tomllib
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 import stribeck as package
+from stribeck.identify.onebody import simulated
+from stribeck.identify.options import FitOptions
+from stribeck.identify.written import toml
 from stribeck.parameter_sets import allow_undetermined, load
 from tests.identify import rig
 
@@ -13,10 +17,6 @@ from tests.identify import rig
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory):
     """The folder of a fit to a log without presliding."""
-    from stribeck.identify.onebody import simulated
-    from stribeck.identify.options import FitOptions
-    from stribeck.identify.written import toml
-
     log = rig.held_at(0.05, 1.0)
     fit = simulated(log, "lugre", FitOptions(mass=0.0, constants={"offset": 0.0}, starts=1)).judged()
     folder = tmp_path_factory.mktemp("fit")
@@ -49,8 +49,6 @@ def test_python_allows_it_too(fitted):
 
 
 def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_path, monkeypatch):
-    from contextlib import contextmanager
-
     texts = []
 
     def tell(share):

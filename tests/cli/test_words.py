@@ -1,6 +1,8 @@
 """What the command says: options for arguments, forms of laws told apart, nothing needless."""
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 
@@ -9,9 +11,6 @@ from stribeck import examples
 
 
 def test_no_library_module_speaks_of_options():
-    import re
-    from pathlib import Path
-
     package = Path(library.__file__).parent
     reported = re.compile(r"""(InputError|problems|found|note|append)\b.*["'({ ]--[a-z{]|["'].*\bwithout --[a-z]""")
     wrong = [

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stribeck.loops.loop import rests_at
+from stribeck.machine.signal import Sine, Staircase, Step, Sum
 from tests.exports.harness import need
 
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "axes"
@@ -33,8 +35,5 @@ def test_from_the_log_of_a_stage_to_its_controller(tmp_path, monkeypatch):
 
 def test_a_sum_of_signals_is_held_and_comes_to_rest():
     """Its sines are held at the end of the run as a sine is; a sum of what rests does so when the last part does."""
-    from stribeck.loops.loop import rests_at
-    from stribeck.machine.signal import Sine, Staircase, Step, Sum
-
     assert rests_at(Sum((Step(1.0, 0.5), Staircase((0.0, 1.0, 2.0), 0.5))).built) == 1.0
     assert rests_at(Sum((Step(1.0, 0.5), Sine(1.0, 1.0))).built) == float("inf")

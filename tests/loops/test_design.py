@@ -4,13 +4,18 @@ import json
 
 import numpy as np
 import pytest
+import tomli_w
 
 import stribeck
 from stribeck import InputError, Scenario, design
+from stribeck.cli import _status
 from stribeck.loops import uncertainty
 from stribeck.loops.boundary import Turned, line
+from stribeck.loops.compensation import kinds_of, lag_of, with_compensation
+from stribeck.loops.excess import excess
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of
+from stribeck.loops.moves import moves_of
 from tests.loops.axis import axis
 from tests.machine.machines import law
 from tests.reference.apart import solve
@@ -117,10 +122,6 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
 
 def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written(tmp_path):
     """The command left a machine that looked for it beside itself."""
-    import tomli_w
-
-    from stribeck.cli import _status
-
     data = axis()
     numbers = data["contacts"]["guide"]["law"]["parameters"]
     (tmp_path / "guide.toml").write_text(tomli_w.dumps({"parameters": numbers}))
@@ -153,8 +154,6 @@ def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp
 
 def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
     """The run at 5 % more speeds up by itself; at 5 % less than the share the same body comes to rest."""
-    from stribeck.loops.excess import excess
-
     loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))
     samples = uncertainty.friction_samples(uncertainty.friction_intervals(loop.scenario, None))
     result = excess(loop.scenario, "hold", samples)
@@ -179,8 +178,6 @@ def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
 
 def test_the_standard_sine_of_a_sine_is_that_sine():
     """Its speed was that of the spline which begins at rest, in other cases that of an aliased wave."""
-    from stribeck.loops.moves import moves_of
-
     data = axis(t_end=4.0, signal={"kind": "sine", "amplitude": 0.05, "frequency": 0.5})
     moves = moves_of(loop_of(Scenario(data)), "hold")
     assert moves.amplitude == pytest.approx(0.05, rel=1e-4)
@@ -194,8 +191,6 @@ def test_what_grows_until_it_cannot_be_followed_is_unstable():
 
 def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
     """The force that acts lags by the delay; with lead dF/dt it is nearer to the law's at the moving body's speed."""
-    from stribeck.loops.compensation import kinds_of, lag_of, with_compensation
-
     sampling = {"period": 1e-3, "delay": 5e-3}
     wave = {"kind": "sine", "amplitude": 0.02, "frequency": 1.0}
     rub = law(sigma_0=5e4, sigma_1=100.0, sigma_2=5.0, k_v=1e3)

@@ -8,6 +8,7 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
+from stribeck.cli import _status
 from stribeck.examples import names, path
 from stribeck.scenario import schema
 
@@ -15,8 +16,6 @@ CHECK = Draft202012Validator(schema.json_schema())
 
 
 def test_it_is_written_when_asked_for(tmp_path, monkeypatch, capsys):
-    from stribeck.cli import _status
-
     monkeypatch.chdir(tmp_path)
     assert _status(["new", "--schema"]) == 0
     assert json.loads((tmp_path / "scenario.schema.json").read_text(encoding="utf-8")) == schema.json_schema()

@@ -11,7 +11,7 @@ from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.over_position import ripple_waves
 from stribeck.identify.models.predictor import of_json, predictor
 from stribeck.identify.models.record import record_of, rows_of, shortened
-from stribeck.identify.models.steady import chosen, library, refine
+from stribeck.identify.models.steady import chosen, library, optimum, refine
 from stribeck.laws import find
 from tests.identify.core.records import TRUTH, joined, record
 
@@ -175,6 +175,13 @@ def test_rows_about_reversals_do_not_count_unless_hardly_another_is_left():
         rows = rows_of(log)
         assert len(record_of(rows, (), {}).at) == np.count_nonzero(rows.weight) - ringing
         assert len(record_of(rows, (), {}, all_rows=True).at) == np.count_nonzero(rows.weight)
+
+
+def test_a_column_that_is_given_twice_shares_its_coefficient():
+    rows = record_of(rows_of(record(3)), ("offset",), {})
+    lib, body = library(rows, SteadyCurve("stribeck", {}, ())), np.column_stack([*rows.body.values()])
+    once, twice = (optimum(lib.law, lib.nodes[0], body[:, at], rows.force)[1] for at in ([0, 1, 2], [0, 1, 2, 2]))
+    assert twice == pytest.approx([*once[:-1], *once[-1:] / 2, *once[-1:] / 2], rel=1e-6)
 
 
 def test_the_law_alone_has_no_forms():

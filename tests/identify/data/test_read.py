@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 from contextlib import nullcontext
+from hashlib import sha256
 from types import SimpleNamespace
 
 import numpy as np
@@ -170,8 +171,6 @@ def test_two_clocks_in_a_file_are_noticed(tmp_path):
 
 
 def test_the_hash_is_the_files(tmp_path):
-    from hashlib import sha256
-
     files = [_record(tmp_path / f"{k}.csv", 1e-3) for k in range(2)]
     log = load_log(files[:1], ColumnNames(NAMES), Preparation())
     assert log.hash == sha256(files[0].read_bytes()).hexdigest()

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.features.guess import steady_curve
+from stribeck.identify.features.guess import rises, steady_curve
+from stribeck.identify.log import Log
 
 T = np.arange(0, 10, 2e-3)
 V = 0.2 * np.sin(2 * np.pi * 0.5 * T) + 0.1 * np.sin(2 * np.pi * 1.3 * T)
@@ -41,3 +42,10 @@ def test_a_curve_that_falls_and_then_rises_begins_on_its_fall():
     curve = steady_curve(V, [A], level * np.tanh(V / 1e-3))[1]
     assert curve["F_s"] == pytest.approx(4, rel=0.01)
     assert curve["F_c"] == pytest.approx(3.57, rel=0.05)
+
+
+def test_a_rise_reaches_to_the_row_of_the_next_reversal():
+    v = np.array([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
+    y, force = np.cumsum(v), np.array([0.0, 1.0, 2.0, 3.0, 8.0, 0.0])
+    log = Log(y, y, v, v, force, np.zeros(6, np.int32), step=1.0)
+    assert list(rises(log, force, 8.0, 1)) == [(4, 8.0, 4.0)]

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.identify import said
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.log import Log
+from stribeck.identify.methods import bristles
+from tests.identify import rig
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
 
@@ -76,8 +79,6 @@ def test_friction_that_grows_with_a_load_column_is_found_once():
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
-    from stribeck.identify import said
-
     fit = stribeck.fit(record(1), "coulomb_viscous", constants={"mass": TRUTH["mass"], "offset": TRUTH["offset"]})
     monkeypatch.setattr(said, "_model", lambda fit: {}["time"])
     with pytest.warns(Warning, match="could not be drawn"):
@@ -168,9 +169,6 @@ def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():
 
 def test_presliding_is_fitted_by_a_law_with_bristles():
     """The log that the plan of a rig asks for, made by the plan's own simulation."""
-    from stribeck.identify.methods import bristles
-    from tests.identify import rig
-
     log = rig.measured([*rig.LOOPS, *rig.STROKES])
     assert bristles.shows_presliding(log)
     assert not bristles.shows_presliding(record(7))
@@ -184,9 +182,6 @@ def test_presliding_is_fitted_by_a_law_with_bristles():
 @pytest.mark.parametrize(("left", "asked"), [(0.03, True), (0.005, False)])
 def test_a_law_with_bristles_is_tried_wherever_it_could_win_above_the_noise(left, asked):
     """A static law with forms left 3.7 % of a loop with presliding, LuGre 1.3 %; its slow level was half the true one."""
-    from stribeck.identify.methods import bristles
-    from tests.identify import rig
-
     log = rig.measured([*rig.LOOPS, *rig.STROKES])
     fit = SimpleNamespace(predictor=SimpleNamespace(force=lambda log: (1 - left) * log.force))
     assert bristles.asked_for(log, fit) is asked
@@ -194,8 +189,6 @@ def test_a_law_with_bristles_is_tried_wherever_it_could_win_above_the_noise(left
 
 @pytest.mark.parametrize(("error", "looks"), [(0.04, [True, False]), (0.06, [True])])
 def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monkeypatch, error, looks):
-    from stribeck.identify.methods import bristles
-
     asked = []
 
     def simulated(log, name, options, progress, rough=False):
