@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+import stribeck
 from stribeck import exports
 from stribeck.exports import targets
 
@@ -37,8 +38,6 @@ def beside(tmp_path, monkeypatch):
 
 
 def test_an_export_target_is_one_file(beside, monkeypatch, tmp_path):
-    import stribeck
-
     beside(targets, "zz_names", TARGET)
     result = exports.find_targets()
     assert set(result) - set(exports.TARGETS) == {"names"}

@@ -48,11 +48,8 @@ def test_completion_knows_the_commands(tmp_path):
 
 
 def test_progress_moves_though_nothing_is_told(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    terminal = Terminal()
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
     monkeypatch.setattr(sys, "stderr", terminal)
     with show.progress("fit") as tell:
         tell(None, "lugre")

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from stribeck import examples
+from stribeck.laws import builtin
 from tests.cli.conftest import stribeck  # noqa: F401
 from tests.cli.test_extras import commands
 
@@ -15,8 +16,6 @@ def test_the_page_stands_alone_and_is_small(built, data):
     assert "http://" not in text.replace("http://www.w3.org", "")
     assert "src=" not in text.split("<script type")[0]
     modules = [len(base64.b64decode(law["wasm"])) for law in data["laws"].values()]
-    from stribeck.laws import builtin
-
     rest = (len(builtin()) - len(modules)) * (4 / 3 * max(modules) + 6000)
     assert built.stat().st_size + rest < 1.5e6
     paths = {n["path"] for n in (*data["numbers"], *data["laws"]["lugre_majorant"]["numbers"])}

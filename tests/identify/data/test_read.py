@@ -17,7 +17,7 @@ from stribeck import InputError
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, low_pass
-from stribeck.identify.data.prepare import Preparation, _samples, load_log
+from stribeck.identify.data.prepare import Preparation, _samples, load_log, prepare
 from stribeck.identify.data.quality import clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, read
 
@@ -91,8 +91,6 @@ def test_the_cutoff_lies_between_the_motion_and_its_noise():
             {"time": t, "position": np.sin(2 * np.pi * 3 * t) + 1e-4 * rng.standard_normal(len(t)), "force": t}, "log"
         )
     ]
-    from stribeck.identify.data.prepare import prepare
-
     log = prepare(parts, Preparation())
     assert 3 < log.bandwidth < 100
     assert "order 4, zero phase" in log.quality[0]

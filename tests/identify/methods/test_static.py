@@ -12,6 +12,7 @@ from stribeck.identify import said
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.log import Log
 from stribeck.identify.methods import bristles
+from stribeck.identify.methods.static import nearest_stribeck
 from tests.identify import rig
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
@@ -134,10 +135,15 @@ def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
     fit = stribeck.fit(record(5, extra=lambda t, y, v, a: 25.0 * y), "coulomb_viscous")
     assert any("bend" in form for form in fit.forms)
     assert any("bend" not in form for form in fit.forms)
-    near = fit.nearest_stribeck
-    assert {n: near[n] for n in ("F_c", "F_s", "v_s")} == pytest.approx(
-        {n: TRUTH[n] for n in ("F_c", "F_s", "v_s")}, rel=0.02
-    )
+    for n in ("F_c", "F_s", "v_s"):
+        assert fit.nearest_stribeck[n] == pytest.approx(TRUTH[n], rel=0.02)
+
+
+def test_the_nearest_stribeck_law_is_that_of_three_decades_of_speed():
+    lib = SimpleNamespace(at=SimpleNamespace(speeds=(1e-6, 1.0, 2.0, 20.0)))
+    lib.level = lambda model, x, v: 5 + 3 * np.exp(-((v / 0.5) ** 2)) + 9 * (v < 0.0199)
+    near = nearest_stribeck(SimpleNamespace(library=lib, model=(), coefficients=lambda v: v))
+    assert near["F_s"] == pytest.approx(8, rel=0.01)
 
 
 @servo
