@@ -6,6 +6,7 @@ import pytest
 
 import stribeck
 from stribeck import InputError, law, parameter_sets
+from stribeck.errors import StribeckNote
 from stribeck.parameter_sets import load, parameters
 
 
@@ -25,8 +26,9 @@ def test_a_file(tmp_path):
     assert (result.name, result.title, result.source, result.motion) == ("mine", "Mine", "measured", "rotary")
     assert result.values == {"F_c": 1, "F_s": 2.0}
     assert load(str(path)).values == result.values
-    path.write_text("F_c = 1.0\nF_s = 2.0\nname = 'mine'\nschema = 1\n")
-    result = load(str(path))
+    path.write_text("F_c = 1.0\nF_s = 2.0\nname = 'mine'\nschema = 1\nleft_out = ['F_c_by_load']\n")
+    with pytest.warns(StribeckNote, match="leave out: F_c_by_load"):
+        result = load(str(path))
     assert (result.values, result.title, result.motion) == ({"F_c": 1.0, "F_s": 2.0}, "", "linear")
 
 

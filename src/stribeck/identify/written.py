@@ -11,7 +11,9 @@ from stribeck import laws
 from stribeck.errors import note
 from stribeck.files import seen_from, together, write_text
 from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.core.forms import OF_LEVEL, in_words
 from stribeck.identify.core.states import Estimate
+from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, LogFit
 from stribeck.identify.saved import FILE, MACHINE, text_of
 from stribeck.mouth import page
@@ -84,9 +86,16 @@ def _of_log(fit: LogFit, command: str) -> dict[str, object]:
         "title": f"{fit.law_name} fitted to {data}", "source": f"stribeck {__version__}: {command}",
         "motion": "rotary" if fit.log is not None and fit.log.rotary else None, "law": fit.law_name, "method": fit.method,
         "data": data, "data_sha256": fit.data_hash, "relative_force_error": fit.relative_force_error,
-        "cross_validated_error": fit.cross_validated_error,
+        "cross_validated_error": fit.cross_validated_error, "left_out": _left_out(fit) or None,
     }  # fmt: skip
     return {key: x for key, x in about.items() if x is not None}
+
+
+def _left_out(fit: LogFit) -> list[str]:
+    """Friction that the fit found and that the law has no constant for; of each kind of form the first."""
+    terms = [name for name, e in fit.body.items() if e.usable and (TERMS[name].level or TERMS[name].friction)]
+    kinds = {form.split()[0]: in_words(form) for form in reversed(list(fit.forms or ())) if form.startswith(OF_LEVEL)}
+    return [*terms, *kinds.values()]
 
 
 def _tables_of_log(fit: LogFit) -> dict[str, object]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.constants import show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, nearest, note
 from stribeck.files import read_file
 
 _FOLDER = Path(__file__).parent
@@ -41,6 +41,7 @@ class ParameterSet:
     undetermined: tuple[str, ...] = ()  # values of a fit that its data do not determine
     units: dict[str, str] = field(default_factory=dict, hash=False)  # those in the file
     words: tuple[str, ...] = ()  # keys with text in a file without [parameters]
+    left_out: tuple[str, ...] = ()  # friction that a fit found and that its law has no constant for
 
     @property
     def rotary(self) -> bool:
@@ -95,6 +96,10 @@ def load(name: str, folder: Path | None = None, needs: Container[str] | None = N
                 "--set, allow the best ones with --allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure "
                 "the experiment that the file names"
             )
+        if parameter_set.left_out and needs != ():
+            note(
+                f"{name!r}: the fit found friction that these constants leave out: {', '.join(parameter_set.left_out)}"
+            )
         return parameter_set
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"
     raise InputError(f"{name!r}: no such parameter set{guess}")
@@ -126,6 +131,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 def _read(path: Path) -> ParameterSet:
     data = read_toml(path)
     words = {key: str(data.pop(key, "")) for key in ("title", "source", "motion")}
+    left_out = data.pop("left_out", None)
     table = data.get("parameters", {k: v for k, v in data.items() if k not in ("schema", "name")})
     if not isinstance(table, dict):
         raise InputError(f"{path}: parameters must be a table of numbers")
@@ -139,8 +145,9 @@ def _read(path: Path) -> ParameterSet:
     units = {k: v["unit"] for k, v in table.items() if isinstance(v, dict) and "unit" in v}
     beside = () if "parameters" in data else tuple(k for k, x in values.items() if isinstance(x, str))
     return ParameterSet(
-        path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown, units, beside
-    )
+        path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown, units, beside,
+        tuple(map(str, left_out)) if isinstance(left_out, list) else (),
+    )  # fmt: skip
 
 
 def _entry_problem(name: str, entry: Mapping[str, object]) -> str | None:

@@ -28,6 +28,7 @@ POWERS = (0.5, 1.5, 2.0, 3.0)  # of the speed: thinning grease, turbulence, drag
 LAGS = (2.0, 6.0, 18.0, 54.0)  # samples, by factors of 3: one lag between two of them leaves 4 % of its effect
 WAVES = 3  # a line and two cosines over a record's length: of warming up over all of it they leave 4 %
 OF_RECORD = ("drift", "level by time", "filter")
+OF_LEVEL = ("bend", "pointed", "growth", "uneven", "level", "load")  # first words of forms of steady friction
 LOADED = "load and weight"  # friction that grows with inertial force, offset and weight
 BENDS_BELOW = 0.35  # of v_s: half of such a bend is what the law's own curve cannot do, of a wider one less
 _WORDS = {  # by the first words of a form's name; {}: its number
