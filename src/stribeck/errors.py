@@ -124,7 +124,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def corrected(given: Mapping[str, T], known: Collection[str]) -> dict[str, T]:
-    """What is given, misspelt names also under the known ones that they seem to mean, which are not missing then."""
+    """What is given. A misspelt name is there under the known name, too, so that this is not said to be missing."""
     meant = {match: x for name, x in given.items() if name not in known for match in _closest(name, known)}
     return meant | dict(given)
 

@@ -92,7 +92,7 @@ def _of_log(fit: LogFit, command: str) -> dict[str, object]:
 
 
 def _left_out(fit: LogFit) -> list[str]:
-    """Friction that the fit found and that the law has no constant for; of each kind of form the first."""
+    """The friction that the fit found and the law has no constant for. Each kind of form is given once."""
     terms = [name for name, e in fit.body.items() if e.usable and (TERMS[name].level or TERMS[name].friction)]
     kinds = {form.split()[0]: in_words(form) for form in reversed(list(fit.forms or ())) if form.startswith(OF_LEVEL)}
     return [*terms, *kinds.values()]

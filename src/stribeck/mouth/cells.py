@@ -83,7 +83,7 @@ def _half(value: float, interval: tuple[float, ...]) -> float:
 def _interval(cell: Ends) -> str:
     """An interval: of one that is open at an end the bound that is left.
 
-    An end has the places of its own distance from the value: ends of 0.0003 and 323 about 0.0006 have not as many.
+    Each end has the places of its own distance from the value, so that 323 has no four zeros beside 0.0003.
     """
     if cell.ends is None:
         return "-"

@@ -28,7 +28,7 @@ _MOST = 0.49  # largest relative change: the extrapolation is singular at one ha
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     """The changes of the residuals by each source of errors, (draws, residuals); ``J``: the Jacobian.
 
-    A small part of the residual may move the estimates more than all its noise, which is averaged over the samples.
+    An input's noise may move the estimates most where it is a small part of the residual: the output's noise is averaged.
     """
     draws, noise = [*_fitted_again(problem, u, J)], _by_noise(problem, u)
     if noise is not None and np.isfinite(noise).all():

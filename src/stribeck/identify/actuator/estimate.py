@@ -186,8 +186,8 @@ def _as_free_as_possible(
     """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
     It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
-    the sensors' noise: slopes along another motion than the real one bend the estimates. All stiffer ones do so too, and it is
-    found by halving them. If no guide hides the error, the one with the least is taken.
+    the sensors' noise: slopes along another motion than the real one bend the estimates. Guides stiffer than one that hides
+    the error hide it, too, so the loosest is found by bisection. If none hides it, the one with the least error is taken.
 
     Args:
         begun: the problem under the guide of a bandwidth, at some values.

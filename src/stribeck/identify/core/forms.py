@@ -122,7 +122,7 @@ def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
 def _smoother_force(log: Log, at: Anchor) -> Array:
     """The inertia and the friction of the motion behind a lower cut-off, in the direction of the recorded motion.
 
-    A row whose direction differs shows where the cut-off puts a reversal, by rounding even, and no effect on the force.
+    Rows whose direction differs keep the recorded speed: they show where a cut-off puts a reversal, which rounding may decide.
     """
     smooth = smoother_log(log)
     speed = np.where(smooth.velocity * log.velocity > 0, smooth.velocity, log.velocity)

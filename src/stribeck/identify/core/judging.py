@@ -87,7 +87,8 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     """C: the largest of several standard errors, times Student's t.
 
     They are the delete-a-block jackknife, Newey and West's error, and the posterior with a prior of one largest force. Known
-    errors of the measured inputs, and the spread between files, are two more if present.
+    errors of the measured inputs, and the cluster-robust error of several files (Liang and Zeger, Biometrika 73, 1986), are
+    two more if present.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
     i = lib.index(model)
@@ -105,7 +106,7 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
     if (n := len(files)) > 1:  # the interval must cover another run
-        # By each file's pull on the fit of all: without a file that alone shows a number, nothing would be left of it.
+        # No jackknife: without the file that alone shows a number, the others would give any value of it.
         pulls = (files[:, i, 0] - files[np.ix_(range(n), i, i)] @ x[: len(i)]) @ to_estimates.T
         out = np.maximum(out, student.ppf(0.975, n - 1) * np.sqrt(n / (n - 1) * np.sum(pulls**2, axis=0)))
     return np.asarray(out)
