@@ -20,6 +20,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.onebody import initial_deflections, parts
 from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.identify.validate import Validated, validate
+from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
 
@@ -73,6 +74,14 @@ class Predicted(Told):
             notes.append("This recording was used in the fit: test the fit with a recording of another motion.")
         if self.constant_error <= self.force_error:
             notes.append("A constant force predicts this recording better than the model.")
+        inside, within = self.force_error, ""
+        if self.beyond and self.beyond.rows and self.beyond.within is not None:
+            inside, within = self.beyond.within, " within the fitted range"
+        if self.model.expected and inside > self.model.expected:
+            usual = percent(self.model.expected)
+            notes.append(
+                f"The residual{within} is {percent(inside)}; {usual} is expected of another motion of this machine."
+            )
         if (self.model.missed or 0.0) > EXPLAINED:
             notes.append(
                 "The fit's own residual exceeds a quarter of its force's deviation: its model does not describe the data."

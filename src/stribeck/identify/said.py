@@ -156,7 +156,7 @@ def _given(fit: LogFit) -> list[list[Cell]]:
 def _quality(fit: LogFit) -> list[Chapter]:
     """The number of notes about the data, for the terminal."""
     count = 0 if fit.log is None else len(fit.log.quality)
-    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page of the fit"
+    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page that --out writes"
     return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
 
 

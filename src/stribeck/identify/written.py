@@ -92,10 +92,9 @@ def _of_log(fit: LogFit, command: str) -> dict[str, object]:
 
 
 def _left_out(fit: LogFit) -> list[str]:
-    """The friction that the fit found and the law has no constant for. Each kind of form is given once."""
+    """The friction that the fit found and the law has no constant for, each effect once."""
     terms = [name for name, e in fit.body.items() if e.usable and (TERMS[name].level or TERMS[name].friction)]
-    kinds = {form.split()[0]: in_words(form) for form in reversed(list(fit.forms or ())) if form.startswith(OF_LEVEL)}
-    return [*terms, *kinds.values()]
+    return list(dict.fromkeys([*terms, *(in_words(form) for form in fit.forms or () if form.startswith(OF_LEVEL))]))
 
 
 def _tables_of_log(fit: LogFit) -> dict[str, object]:

@@ -73,9 +73,10 @@ def test_a_speed_that_is_met_within_a_play_only_is_not_seen():
 
 def test_friction_that_grows_with_a_load_column_is_found_once():
     """A form with the law's smooth sign took nine tenths of the term, whose sign is exact."""
-    log = record(9, extra=lambda t, y, v, a: np.tanh(200 * v) * (7 + 2 * np.sin(1.7 * t)), F_c=0.0, F_s=0.0, slow=0.1)
-    fit = stribeck.fit(replace(log, load=60 + 40 * np.sin(1.7 * log.time)), "stribeck_tanh")
+    log = record(9, extra=lambda t, y, v, a: np.tanh(200 * v) * (7.5 + 2 * np.sin(1.7 * t)), F_c=0.0, F_s=0.0, slow=0.1)
+    fit = stribeck.fit(replace(log, load=150 + 40 * np.sin(1.7 * log.time)), "stribeck_tanh")
     assert not any("load" in form for form in fit.forms)
+    assert "F_c and the levels are those at load 0." in fit.notes
     assert fit["F_c_by_load"].interval[0] < 0.05 < fit["F_c_by_load"].interval[1] < 0.06
 
 
@@ -89,10 +90,12 @@ def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
     assert kept.predict(record(2)).force_error < 0.2
 
 
-def test_a_level_by_direction_over_several_files_has_a_page(tmp_path):
-    log = joined(record(1), record(2))
-    fit = stribeck.fit(log, "coulomb_viscous", terms=["F_c_by_direction"])
-    assert set(fit.save(tmp_path)) == {"parameters.toml", "report.html", "fit.json"}
+def test_friction_that_changes_with_position_is_told_where_the_axis_moves():
+    """F_c was that of position 0, wherever this is: a number that the axis never has."""
+    log = record(4, extra=lambda t, y, v, a: 10 * y * np.sign(v))
+    near, far = (stribeck.fit(log.with_columns(position=log.position + off), "stribeck") for off in (0.0, 1.5))
+    assert "level by position" in far.forms
+    assert far["F_c"].value == pytest.approx(near["F_c"].value, rel=1e-3)
 
 
 def test_levels_are_estimated_at_speeds_that_the_user_names():
@@ -107,7 +110,9 @@ def test_a_measured_column_that_changes_with_the_motion_alone_leaves_nothing_ide
     log = log.with_columns(pressure=pressure, force=log.force + 5e-5 * pressure)
     fit = stribeck.fit(log, "stribeck")
     assert not any(e.state is EstimateState.IDENTIFIED for e in fit.parameters.values())
-    assert any("pressure was not used" in note for note in fit.notes)
+    assert any("pressure was not used, as it depends on the motion only" in note for note in fit.notes)
+    fit = stribeck.fit(log.with_columns(load=20 + 0.1 * np.random.default_rng(1).standard_normal(len(log))), "stribeck")
+    assert any("load was not used, as it hardly changes" in note for note in fit.notes)
     fitted = stribeck.fit(log, "stribeck", constants={"area": 5e-5})
     assert fitted["F_c"].interval[0] <= TRUTH["F_c"] <= fitted["F_c"].interval[1]
     assert fitted["F_c"].state is EstimateState.IDENTIFIED

@@ -6,7 +6,7 @@ Forms have engineering names. Those of ``OF_RECORD`` belong to one record and ar
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -42,6 +42,14 @@ _WORDS = {  # by the first words of a form's name; {}: its number
     "level by time": "a friction level that changes with time", "filter": "the cut-off frequency of the filter",
     "level by position": "a friction level that changes with position", "spring": "a spring", "weight": "a weight",
     "ripple": "a force that repeats with position", "level ripple": "a friction level that repeats with position",
+    "level by load column": "friction that grows with the measured load",
+    "level by pressure column": "friction that grows with the measured pressure",
+}  # fmt: skip
+# Where a form, or a term of the same effect, leaves the law's own friction.
+_LAW_AT = {
+    "load": "inertial force 0", LOADED: "inertial force and weight 0", "level by position": "position {:.4g} {}",
+    "level by time": "the middle of the record", "level by load column": "load 0", "F_c_by_load": "load 0",
+    "level by pressure column": "pressure 0", "F_c_by_pressure": "pressure 0",
 }  # fmt: skip
 Key = tuple[str, str]  # form, column
 Column = Callable[..., Any]  # without arguments
@@ -57,6 +65,7 @@ class Anchor:
         turns, placed: whether the body reverses; whether its position was measured.
         speeds: of the levels.
         carried: further parts of the force: an offset, and sine and cosine of the position.
+        middle: the mean position, where a level that changes with position is the law's.
         waves, level_waves: ripples of the force and of the friction's level over the position, 1/m.
     """
 
@@ -70,6 +79,7 @@ class Anchor:
     placed: bool
     speeds: tuple[float, ...]
     carried: Mapping[str, float]
+    middle: float = 0.0
     waves: tuple[float, ...] = ()
     level_waves: tuple[float, ...] = ()
 
@@ -108,6 +118,24 @@ def in_words(form: str) -> str:
         return form
     percent = 100 if named[1] in ("bend", "uneven bend", "play") else 1
     return _WORDS[named[1]].format(percent * float(named[2] or 0))
+
+
+def sizes_in_words(sizes: Mapping[str, float], unit: str) -> str:
+    """The effects of forms with their sizes; effects of one kind share their words."""
+    kinds = dict[str, list[str]]()
+    for form, size in sizes.items():
+        kinds.setdefault(in_words(form), []).append(f"{size:.2g}")
+    return ", ".join(f"{words} ({', '.join(several)} {unit})" for words, several in kinds.items())
+
+
+def law_at(names: Iterable[str], middle: float, unit: str) -> list[str]:
+    """Where friction that depends on more than speed is the law's, of a model with these forms and terms.
+
+    Args:
+        middle: the mean position, in ``unit``.
+    """
+    kinds = dict.fromkeys(re.sub(r" \d+$", "", n) for n in names)
+    return list(dict.fromkeys(_LAW_AT[n].format(middle, unit) for n in kinds if n in _LAW_AT))
 
 
 def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
@@ -152,7 +180,7 @@ def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Column]:
     y, columns = log.position, dict[Key, Column]()
     if at.placed:
         columns = {("weight", "sin"): lambda: np.sin(y), ("weight", "cos"): lambda: np.cos(y)}
-        columns |= {("spring", ""): lambda: y, ("level by position", ""): lambda: sign * y}
+        columns |= {("spring", ""): lambda: y, ("level by position", ""): lambda: sign * (y - at.middle)}
     for name, waves, height in (("ripple", at.waves, 1.0), ("level ripple", at.level_waves, sign)):
         for k, w in enumerate(waves):
             for wave in (np.sin, np.cos):

@@ -16,10 +16,10 @@ from stribeck import laws
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.forms import OF_RECORD, dependences
+from stribeck.identify.core.forms import OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.states import Estimate
-from stribeck.identify.features.filtering import smoother_log
+from stribeck.identify.features.filtering import smoother_log, typical_roughness
 from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
@@ -34,7 +34,9 @@ from stribeck.identify.work import Progress
 
 PLAIN = "coulomb_viscous"
 MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term of a measured column in the model
-FOUND = 0.05  # of a column's variance that motion does not explain: its coefficient is then identifiable
+FOUND = (
+    0.05  # of a column's variance that motion does not explain, and noise of this: its coefficient is then identifiable
+)
 WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
@@ -95,8 +97,8 @@ def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -
     return record_of(rows, body, options.numbers, options.published), curve
 
 
-def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
-    """The terms of every model, and the measured columns that no model uses.
+def _terms(log: Log, options: FitOptions) -> tuple[list[str], dict[str, str]]:
+    """The terms of every model, and the measured columns that no model uses, each with the reason.
 
     A rotary joint has gravity terms. A measured column is in the model if its coefficient is identifiable.
     """
@@ -104,25 +106,35 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
     terms = list(dict.fromkeys(["offset", *options.terms]))
     if log.rotary and not {*WEIGHT} & {*terms, *given}:
         terms += WEIGHT
-    unused = []
+    unused = dict[str, str]()
     for column, term in MEASURED.items():
         if getattr(log, column) is None or any(TERMS[n].needs == column for n in (*terms, *given)):
             continue
-        if _finds(log, column):
-            terms.append(term)
+        if why := _hidden(log, column):
+            unused[column] = why
         else:
-            unused.append(column)
+            terms.append(term)
     return [n for n in terms if n not in given], unused
 
 
-def _finds(log: Log, column: str) -> bool:
-    """Whether a measured column varies independently of the motion."""
-    x = getattr(log, column)
+def _hidden(log: Log, column: str) -> str:
+    """Why a measured column does not show its coefficient; empty if it does.
+
+    The motion must leave a share of its variance, of which noise, that would weaken the coefficient, is as small a share.
+    """
+    x = getattr(log, column) - float(np.mean(getattr(log, column)))
+    changes, noise = float(x @ x), len(x) * typical_roughness([x[rows] for rows in log.runs()]) ** 2
     x = x * np.sign(log.velocity) if TERMS[MEASURED[column]].level else x
     beside = np.column_stack([np.ones(len(x)), np.sign(log.velocity), log.velocity, log.acceleration])
     beside = beside / np.maximum(np.max(abs(beside), axis=0), 1e-300)
     left = x - beside @ np.linalg.lstsq(beside, x, rcond=1e-10)[0]
-    return float(left @ left) > FOUND * float(x @ x)
+    if noise >= FOUND * changes:
+        return "it hardly changes"
+    return (
+        ""
+        if float(left @ left) > FOUND * changes and noise <= FOUND * float(left @ left)
+        else "it depends on the motion only"
+    )
 
 
 def check_motion(log: Log) -> None:
@@ -166,7 +178,7 @@ def _finished(
     rows: Rows,
     choice: Selection[SteadyLibrary],
     judged_estimates: Mapping[str, Estimate],
-    unused: Sequence[str],
+    unused: Mapping[str, str],
     options: FitOptions,
     predicting: Predictor,
 ) -> LogFit:
@@ -277,7 +289,7 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
 def _notes(
     choice: Selection[SteadyLibrary],
     estimates: Mapping[str, Estimate],
-    unused: Sequence[str],
+    unused: Mapping[str, str],
     forms: Mapping[str, float],
     log: Log,
 ) -> list[str]:
@@ -288,11 +300,7 @@ def _notes(
             f"The residual is {100 * left:.0f} % of the force's deviation: the model does not describe the data, and no "
             "parameter is identified."
         )
-    if unused:
-        terms_of = " and ".join(MEASURED[n] for n in unused)
-        out.append(
-            f"The column {' and '.join(unused)} was not used, as it depends on the motion only: give {terms_of} with --set."
-        )
+    out += [f"The column {n} was not used, as {why}: give {MEASURED[n]} with --set." for n, why in unused.items()]
     if "mass" in estimates and estimates["mass"].value < 0:
         out.append(
             "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
@@ -300,8 +308,9 @@ def _notes(
     out += dependences(estimates)
     out += [text for name, e in estimates.items() if (text := e.advice(name))]
     if forms:
-        form_sizes = ", ".join(f"{name} ({size:.2g} {log.unit('N')})" for name, size in forms.items())
-        out.append(f"Further terms of the force: {form_sizes}.")
+        out.append(f"Further terms of the force: {sizes_in_words(forms, log.unit('N'))}.")
+    if places := law_at([*forms, *estimates], choice.library.at.middle, log.unit("m")):
+        out.append(f"F_c and the levels are those at {' and '.join(places)}.")
     if len(set(log.files)) < 2:
         out.append("The intervals are from a single file: another day or motion may differ by more.")
     return out

@@ -336,7 +336,19 @@ def anchor(
         a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, record.force, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
-    at = Anchor(curve, shape, coefficients, fast, travel(log), log.step, turns, placed, (*seen, *speeds), carried)
+    at = Anchor(
+        curve,
+        shape,
+        coefficients,
+        fast,
+        travel(log),
+        log.step,
+        turns,
+        placed,
+        (*seen, *speeds),
+        carried,
+        float(y.mean()),
+    )
     if (between := ripple_range(log, record.q)) is None:
         return at
     residual, side = record.force - columns @ x, np.sign(record.column(v))
