@@ -8,6 +8,7 @@ import pytest
 import typer
 
 from stribeck.cli.app import app
+from stribeck.cli.options import ADVANCED
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -64,9 +65,11 @@ def test_a_page_uses_the_field_s_words(page):
     assert not [words for words in AVOIDED if re.search(rf"\b{words}\b", text)]
 
 
-def test_help_uses_the_field_s_words():
+def test_help_shows_few_options_first_and_uses_the_field_s_words():
     texts = {}
     for name, command in typer.main.get_command(app).commands.items():
+        options = [p for p in command.params if p.param_type_name == "option" and p.rich_help_panel != ADVANCED]
+        assert len(options) <= 12, name
         texts[name] = " ".join(
             [command.help or "", *(p.help or "" for p in command.params if hasattr(p, "help"))]
         ).lower()

@@ -42,7 +42,6 @@ def test_one_run_reads_nothing_of_ensembles(scenario):
 
 
 def test_without_arguments_there_is_the_help(stribeck):
-    """It was one line of an error, cut in its middle."""
     shown = stribeck()
     assert (shown.status, shown.err) == (0, "")
     assert shown.out == stribeck("--help").out

@@ -11,7 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Out, Trust, Undetermined, command, flag, load_scenario, output_path, setting
+from stribeck.cli.options import (
+    ADVANCED,
+    Json,
+    Out,
+    Trust,
+    Undetermined,
+    command,
+    flag,
+    load_scenario,
+    output_path,
+    setting,
+)
 from stribeck.cli.output import check_file, command_line, output_folder, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, arg, check_all, note, read_pairs
@@ -74,17 +85,17 @@ def check(
     ] = None,
     level: Annotated[
         str | None,
-        setting("--level", "LOW:HIGH", "Let F_c and F_s vary in any way between LOW and HIGH times their values."),
+        setting("--level", "LOW:HIGH", "Let F_c and F_s vary in any way between LOW and HIGH times their values.", ADVANCED),
     ] = None,
     force: Annotated[
         list[str] | None,
-        setting("--force", "NAME=MAX", "Bound of a link's force in a machine (N or N m); unbounded unless given."),
+        setting("--force", "NAME=MAX", "Bound of a link's force in a machine (N or N m); unbounded unless given.", ADVANCED),
     ] = None,
     verify: Annotated[
         bool, flag("--verify", "Check each proof by an independent program, and replay each counterexample.")
     ] = False,
     certificate: Annotated[
-        Path | None, setting("--certificate", "FILE", "Write the proofs to this JSON file.", parser=output_path)
+        Path | None, setting("--certificate", "FILE", "Write the proofs to this JSON file.", ADVANCED, parser=output_path)
     ] = None,
     out: Out = None,
     trust: Trust = False,
@@ -112,10 +123,12 @@ def check(
         text = "needs a machine's FILE.toml: it bounds a link, a load or a motor there"
         raise InputError(f"--force: {force[0]!r}: {text}")
     if of_machine:
-        asked = _machine(Path(what), texts, _forces(force or []), trust)
+        asked = _machine(Path(what), assignments=texts, forces=_forces(force or []), trust=trust)
     else:
-        asked = _law(what, parameters, parse_assignments(texts), level_of(level), tolerances.given())
-    _decide(asked, v_max, out, certificate, verify=verify, json=json)
+        asked = _law(
+            what, parameters=parameters, given=parse_assignments(texts), level=level_of(level), tolerated=tolerances.given()
+        )  # fmt: skip
+    _decide(asked, v_max=v_max, out=out, certificate=certificate, verify=verify, json=json)
     return 0
 
 
@@ -130,7 +143,7 @@ class _Asked:
 
 
 def _decide(
-    asked: _Asked, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
+    asked: _Asked, *, v_max: float | None, out: Path | None, certificate: Path | None, verify: bool, json: bool
 ) -> None:
     """Decide, write the files asked for, print the verdicts."""
     with output_folder(out, writes=["report.html"]):
@@ -142,7 +155,7 @@ def _decide(
             verdicts.verify()
             if unverified := verdicts.unverified:
                 note(f"--verify: {', '.join(unverified)}: not verified: there is no certificate, and no run to repeat")
-        files, pages = _write(verdicts, out, certificate)
+        files, pages = _write(verdicts, out=out, certificate=certificate)
     written = {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(
         verdicts.document,
@@ -152,7 +165,7 @@ def _decide(
 
 
 def _write(
-    verdicts: Verdicts | MachineVerdicts, out: Path | None, certificate: Path | None
+    verdicts: Verdicts | MachineVerdicts, *, out: Path | None, certificate: Path | None
 ) -> tuple[list[str] | None, list[str] | None]:
     """Write the counterexamples, the page, and the proofs if there are any; the paths of the results, and of the page."""
     from stribeck.files import write_text
@@ -172,16 +185,16 @@ def _write(
     return files, pages
 
 
-def _machine(file: Path, assignments: list[str], forces: dict[str, float], trust: bool) -> _Asked:
+def _machine(file: Path, *, assignments: list[str], forces: dict[str, float], trust: bool) -> _Asked:
     """The contacts of a machine, under bounds of forces in it."""
     from stribeck.properties import check as decide
 
-    scenario = load_scenario(file, assignments, trust)
+    scenario = load_scenario(file, assignments, trust=trust)
     return _Asked(scenario.name, (file,), lambda v_max: decide(scenario, v_max, forces=forces), {"forces": forces})
 
 
 def _law(
-    name: str, parameters: str | None, given: dict[str, Toml], level: tuple[float, float] | None, tolerated: dict[str, object]
+    name: str, *, parameters: str | None, given: dict[str, Toml], level: tuple[float, float] | None, tolerated: dict[str, object]
 ) -> _Asked:  # fmt: skip
     """A law with its constants.
 

@@ -66,14 +66,14 @@ def design(
         files = [] if out is None else write_design(result, summary, out, command_line())
     if files:
         summary["files"] = files
-    tell(lambda: _document(result, source.scenario, out), summary if json else None, None if json else files)
+    tell(lambda: _document(result, source.scenario, out=out), summary if json else None, None if json else files)
     if result.failed is not None:
         failed(loaded.name, result.failed)
         return 1
     return 0
 
 
-def _document(result: Design | ServoDesign, path: Path, out: Path | None) -> Document:
+def _document(result: Design | ServoDesign, path: Path, *, out: Path | None) -> Document:
     """The result as a document, under the file's name, with the next step."""
     from stribeck.loops import Design
 

@@ -41,7 +41,7 @@ def explore(
     from stribeck.explore.variants import subject
     from stribeck.scenario import parse_assignments
 
-    scenario = subject(what, parse_assignments(set_ or []), trust)
+    scenario = subject(what, parse_assignments(set_ or []), trust=trust)
     if out is None:
         name = re.sub(r"[^\w.-]+", "_", scenario.name).strip("._")
         out = Path(f"{name or 'explore'}.html")
@@ -49,7 +49,7 @@ def explore(
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     check_file("--out", out, *([Path(what)] if what is not None else []))
     with progress("writing the page") as share:
-        write(scenario, out, law, command_line(), share)
+        write(scenario, out, laws=law, command=command_line(), progress=share)
     page = out
     data = {"status": "done", "scenario": scenario.name}
     tell(lambda: _document(scenario.name, page), data if json else None, [str(out)])

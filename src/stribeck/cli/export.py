@@ -99,7 +99,9 @@ def export(
     if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
-    part, chosen, rig, origin = _chosen(target, law, parameters, set_ or [], scenario, selection, trust)
+    part, chosen, rig, origin = _chosen(
+        target, law, parameters=parameters, assignments=set_ or [], scenario=scenario, selection=selection, trust=trust
+    )
     with progress(f"export to {target}"):
         files = write(
             chosen, target, out, part=part, scenario=rig, origin=origin,
@@ -116,6 +118,7 @@ def export(
 def _chosen(
     target: str,
     law: str | None,
+    *,
     parameters: str | None,
     assignments: list[str],
     scenario: Path | None,
@@ -145,10 +148,10 @@ def _chosen(
         text = f"must be left out: part '{part}' takes all from the file"
         if wrong := [f"{n}: {x!r}: {text}" for n, x in of_a_law.items() if x]:
             raise InputError(wrong)
-        rig = load_scenario(scenario, assignments, trust) if scenario is not None else None
+        rig = load_scenario(scenario, assignments, trust=trust) if scenario is not None else None
     else:
-        rig = load_scenario(scenario, [], trust) if scenario is not None else None
-        chosen = _law(law, parameters, assignments, rig, selection.contact)
+        rig = load_scenario(scenario, [], trust=trust) if scenario is not None else None
+        chosen = _law(law, rig, parameters=parameters, assignments=assignments, contact=selection.contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
@@ -164,7 +167,7 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
 
 
 def _law(
-    name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None, contact: str | None
+    name: str | None, rig: Scenario | None, *, parameters: str | None, assignments: list[str], contact: str | None
 ) -> Law:
     """The law with the constants of the set, else of the scenario's law (of a machine that of a contact), and what --set
     adds."""

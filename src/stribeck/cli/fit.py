@@ -167,12 +167,12 @@ def fit(
     of_machine = [lambda: parse_assignments(assignments), lambda: _by_contact(laws)]
     texts = of_log if logs is None else of_machine
     check_all(lambda: sought(how.unknown or []), lambda: shares(how.require or []), columns.given, *texts)
-    recordings = _recordings(data or [], logs)
+    recordings = _recordings(data or [], logs=logs)
     given = {**how.given(), **columns.given(), **recordings}
-    return _fit(data or [], laws, assignments, given, out, verbose=verbose, json=json)
+    return _fit(data or [], laws, assignments, given, out=out, verbose=verbose, json=json)
 
 
-def _recordings(data: list[Path], logs: Path | None) -> record.Keywords:
+def _recordings(data: list[Path], *, logs: Path | None) -> record.Keywords:
     """The recordings of a machine, as arguments of :func:`stribeck.fit`; none for a log.
 
     Raises:
@@ -189,7 +189,7 @@ def _recordings(data: list[Path], logs: Path | None) -> record.Keywords:
 
 
 def _fit(
-    data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords, out: Path | None, *, verbose: bool,
+    data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords, *, out: Path | None, verbose: bool,
     json: bool,
 ) -> int:  # fmt: skip
     """Fit, write the files asked for, print what was found."""
@@ -208,7 +208,7 @@ def _fit(
             if out is not None:
                 write_fit(result, out, command_line(), written)
         finally:  # the result is printed even if drawing the page was interrupted
-            _show(result, data, written, out, verbose=verbose, json=json)
+            _show(result, data, written, out=out, verbose=verbose, json=json)
     missed = result.status == "done" and unmet(result, given["require"])
     return 1 if missed else {"done": 0, "stopped": 130}.get(result.status, 1)
 
@@ -284,7 +284,7 @@ def _laws_of(text: str) -> tuple[str, list[str]]:
 # -- show ------------------------------------------------------------------------------------------------------------
 
 
-def _show(result: Fit, data: list[Path], written: list[str], out: Path | None, *, verbose: bool, json: bool) -> None:
+def _show(result: Fit, data: list[Path], written: list[str], *, out: Path | None, verbose: bool, json: bool) -> None:
     """Print the fit, and what comes next."""
     from stribeck.identify.result import LogFit
 

@@ -161,10 +161,10 @@ class ScenarioOptions:
         from stribeck.scenario import parse_assignments
 
         check_all(lambda: parse_assignments(self.set_ or []), *also)
-        return load_scenario(self.scenario, self.set_ or [], self.trust)
+        return load_scenario(self.scenario, self.set_ or [], trust=self.trust)
 
 
-def load_scenario(path: Path, assignments: list[str], trust: bool) -> Scenario:
+def load_scenario(path: Path, assignments: list[str], *, trust: bool) -> Scenario:
     """A scenario file with assignments applied."""
     from stribeck.scenario import Scenario, parse_assignments
 

@@ -57,13 +57,13 @@ def predict(
     from stribeck.identify.validate import Validated
     from stribeck.scenario import parse_assignments
 
-    _refuse_mixed(given_options(context), fit, machine)
+    _refuse_mixed(given_options(context), fit=fit, machine=machine)
     check_all(columns.given, lambda: parse_assignments(set_ or []))
     if machine is not None and len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --machine there must be one")
     name = "prediction.html" if machine is None else "validation.html"
     with output_folder(out, writes=[name]):
-        loaded = None if machine is None else load_scenario(machine, set_ or [], trust)
+        loaded = None if machine is None else load_scenario(machine, set_ or [], trust=trust)
         how: Keywords = {"fit": fit, "cutoff": cutoff, "trust": trust} if loaded is None else {"machine": loaded}
         with progress("predict"):
             result = predicted(data if loaded is None else data[0], **how, **columns.given())
@@ -85,7 +85,7 @@ _OF_A_FIT = ("load", "pressure", "cutoff")  # options that the simulation of a m
 _OF_A_MACHINE = ("command", "set_", "_undetermined")
 
 
-def _refuse_mixed(given: dict[str, str], fit: Path | None, machine: Path | None) -> None:
+def _refuse_mixed(given: dict[str, str], *, fit: Path | None, machine: Path | None) -> None:
     """Refuse options of the other way to predict.
 
     Raises:

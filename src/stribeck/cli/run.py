@@ -45,17 +45,17 @@ def run(
         others = {"--law": laws, "--out": out}
         if wrong := [n for n, x in others.items() if x]:
             raise InputError([f"{name}: must be left out with --show, which simulates nothing" for name in wrong])
-        return _show(given, json)
+        return _show(given, json=json)
     if contact is not None and not laws:
         raise InputError("--contact: goes with --law, which is not given")
     variants = _under_laws(given, laws, contact)
     if len(laws) > 1:
-        return _compare(variants, given.name, out, json)
+        return _compare(variants, given.name, out=out, json=json)
     (given,) = variants.values() or (given,)
-    return _simulate(given, out, json)
+    return _simulate(given, out=out, json=json)
 
 
-def _simulate(scenario: Scenario, out: Path | None, json: bool) -> int:
+def _simulate(scenario: Scenario, *, out: Path | None, json: bool) -> int:
     """Simulate, write the files asked for, print the summary."""
     from stribeck.simulation import simulate
     from stribeck.simulation.tables import RUN
@@ -77,7 +77,7 @@ def _simulate(scenario: Scenario, out: Path | None, json: bool) -> int:
 # -- several laws ----------------------------------------------------------------------------------------------------
 
 
-def _compare(variants: dict[str, Scenario], name: str, out: Path | None, json: bool) -> int:
+def _compare(variants: dict[str, Scenario], name: str, *, out: Path | None, json: bool) -> int:
     """Simulate under each law, print the deviations from the first, write an overlay."""
     from stribeck.simulation.comparison import compare_laws
     from stribeck.simulation.tables import COMPARISON
@@ -136,7 +136,7 @@ def _law(text: str) -> tuple[str, tuple[str, dict[str, object]]]:
 # -- the machine -----------------------------------------------------------------------------------------------------
 
 
-def _show(scenario: Scenario, json: bool) -> int:
+def _show(scenario: Scenario, *, json: bool) -> int:
     """Print the machine as a schematic."""
     from stribeck.scenario import schematic
 

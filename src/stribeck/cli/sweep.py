@@ -41,9 +41,9 @@ def sweep(
     from stribeck.simulation.ensemble import inaccurate_lanes
     from stribeck.sweeps.job import Sweep
 
-    lanes = cache(partial(_lanes, vary or [], samples, seed))
+    lanes = cache(partial(_lanes, vary or [], samples=samples, seed=seed))
     loaded = source.load(lanes)
-    job = Sweep(loaded, lanes(), out, summary)
+    job = Sweep(loaded, lanes(), out=out, summary=summary)
     started = perf_counter()
     with output_folder(out), progress(f"{loaded.name}: {len(job.lanes)} lanes") as tell_share:
 
@@ -66,7 +66,7 @@ def sweep(
     return 1 if all_failed else 0
 
 
-def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
+def _lanes(vary: list[str], *, samples: int | None, seed: int) -> dict[str, Array]:
     """The values of every lane.
 
     Raises:
@@ -81,4 +81,4 @@ def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
     ranges: list[Range] = []
     reads = (partial(Range.parse, text, drawn=samples is not None) for text in vary)
     check_all(*(lambda read=read: ranges.append(read()) for read in reads), seeded)
-    return lanes_of(ranges, samples, seed)
+    return lanes_of(ranges, samples=samples, seed=seed)
