@@ -35,7 +35,7 @@ ANY: dict[str, tuple[int, str]] = {
     "sweeps": (2, "columns of any type"),
     "machine": (62, "`Held`, declared once; Pydantic's hooks, whose arguments are its own; a file's tables"),
     "scenario": (13, "its JSON Schema; a file's tables, as tomllib gives them"),
-    "simulation": (9, "SciPy's solver; statistics read by their keys; a file's tables"),
+    "simulation": (9, "statistics read by their keys; a file's tables"),
     "recorded": (4, "data frames and mappings of users"),
     "": (4, "JSON files; `stribeck.NAME`"),
 }

@@ -97,7 +97,7 @@ def _compiler() -> tuple[Found, str]:
 
     cc = compiler.find()
     if cc is None:
-        return {"command": None, "version": None}, "none: WebAssembly solves instead, about 1.4 times slower"
+        return {"command": None, "version": None}, "none: WebAssembly solves instead, about 1.5 times slower"
     command = " ".join(cc.command)
     try:
         asked = compiler.called([*cc.command, "--version"], cc.command[0], _ANSWERS_WITHIN, Path(gettempdir()))

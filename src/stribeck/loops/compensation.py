@@ -20,7 +20,10 @@ from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
 from stribeck.loops.shaken import frequency_for
 from stribeck.scenario import Scenario
 
-KINDS = ("none", "reference", "measured", "inner_loop", "dither")
+KINDS = {  # in words
+    "none": "none", "reference": "feedforward at the signal's speed", "measured": "observer at the measured speed",
+    "inner_loop": "observer with dF/dt, led by the lag", "dither": "dither",
+}  # fmt: skip
 # tried first: from a quarter of the friction to clear over-compensation
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 _AMPLITUDES = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # of a dither, in shares of the friction
@@ -146,7 +149,7 @@ def compare(
     quiet_without = np.array([j.quiet for j in judge(without, samples, most_steps=MOST_STEPS)])
     for i, kind in enumerate(kinds):
         if tell is not None:
-            tell(i / len(kinds), f"compensation: {kind}")
+            tell(i / len(kinds), f"compensation: {KINDS[kind]}")
         compensated = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
         if kind == "none":
             remedy = _Remedy(compensated, samples, None, 1.0, quiet_without)

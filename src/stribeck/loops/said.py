@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from stribeck.loops import figures
 from stribeck.loops.boundary import Mixed, PathVerdicts
-from stribeck.loops.compensation import CompensationResult
+from stribeck.loops.compensation import KINDS, CompensationResult
 from stribeck.loops.excess import BEYOND
 from stribeck.loops.judge import SHORTEST, Judgment
 from stribeck.loops.loop import controller_of
@@ -29,10 +29,6 @@ _MEANING = {
 }
 _VERDICTS = {"quiet": "QUIET", "creeping": "CREEPS", "hunting": "HUNTS", "unstable": "UNSTABLE", "failed": "FAILED"}
 _DOES = {"quiet": "stays quiet", "creeping": "creeps", "unstable": "is unstable", "failed": "could not be simulated"}
-_REMEDIES = {
-    "none": "none", "reference": "feedforward at the signal's speed", "measured": "observer at the measured speed",
-    "inner_loop": "observer with dF/dt, led by the lag", "dither": "dither",
-}  # fmt: skip
 
 
 def design(result: Design) -> Document:
@@ -114,7 +110,7 @@ def _compensations(result: Design, unit: str) -> Chapter:
     """A table of the remedies: the shares that stay quiet, and the error after a reversal."""
     rows: list[list[Cell]] = [
         [
-            _REMEDIES[c.kind],
+            KINDS[c.kind],
             _quiet_range(c),
             f"{c.share:.2f}",
             Amount(c.reversal_error, unit),
