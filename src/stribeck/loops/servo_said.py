@@ -65,8 +65,8 @@ def _along(result: ServoDesign) -> Chapter:
     along = result.along
     assert along is not None
     facts = [
-        f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J, rises by more than 1e-9 V(0) after {int(along.rises.sum())} "
-        f"rows, by at most {along.largest_rise:.3g} J"
+        f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J; rows after which it rises by more than 1e-9 V(0): "
+        f"{int(along.rises.sum())}; largest rise: {along.largest_rise:.3g} J"
     ]
     for what, spans in zip(("V rises", "dV/dt above (19)", "valve saturates"), along.spans.values(), strict=True):
         if spans:
