@@ -48,7 +48,7 @@ def run(
         return _show(given, json=json)
     if contact is not None and not laws:
         raise InputError("--contact: goes with --law, which is not given")
-    variants = _under_laws(given, laws, contact)
+    variants = _under_laws(given, laws, contact=contact)
     if len(laws) > 1:
         return _compare(variants, given.name, out=out, json=json)
     (given,) = variants.values() or (given,)
@@ -97,7 +97,7 @@ def _compare(variants: dict[str, Scenario], name: str, *, out: Path | None, json
     return 0 if comparison.status == "done" else 1
 
 
-def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dict[str, Scenario]:
+def _under_laws(scenario: Scenario, laws: list[str], *, contact: str | None) -> dict[str, Scenario]:
     """The scenario under each law, by what the option says.
 
     Raises:

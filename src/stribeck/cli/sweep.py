@@ -50,7 +50,7 @@ def sweep(
         def rated(share: float, count: float) -> None:
             tell_share(share, f"{count / max(perf_counter() - started, 1e-9):.0f} lanes/s")
 
-        job.run(threads, rated)
+        job.run(threads=threads, progress=rated)
     seconds = perf_counter() - started
     all_failed = job.failed == len(job.lanes)
     data = {
