@@ -106,7 +106,7 @@ class SignalTable(Family, family=True):
             return super().carrying(path, carrier) if self._in_code() else self
         *_, inside, factor, _ = ("", "", *path.split("."))
         name = f"{carrier.name}_{factor}" if inside == "factors" else carrier.name
-        return SignalUse(name, path, self._form)
+        return SignalUse(name, path, self._form, open=carrier.open and inside != "factors")
 
 
 class _Through(SignalTable):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from stribeck.machine.assembly import Assembly
 from stribeck.machine.element import SECTIONS, Element
 from stribeck.machine.equations import Sample, Watch, Watched
 from stribeck.machine.signal import SignalUse
-from stribeck.machine.table import FileTable, Frozen, Key, joined
+from stribeck.machine.table import Key, joined
 
 if TYPE_CHECKING:
     from stribeck.machine.elements.bodies import Body
@@ -268,24 +268,6 @@ class MachineSystem:
     def with_energy(self) -> MachineSystem:
         """The same machine, whose output has the columns of energy."""
         return replace(self, elements=replace(self.elements, energy=True))
-
-    def with_inputs(self) -> MachineSystem:
-        """The same machine, to whose signals something can be added from outside; not to those that multiply parameters,
-        which must stay positive."""
-
-        def opened(use: SignalUse) -> SignalUse:
-            return use if ".factors." in use.path else replace(use, open=True)
-
-        def through(value: Any) -> Any:
-            if isinstance(value, SignalUse):
-                return opened(value)
-            if isinstance(value, FileTable):
-                inner = {name: getattr(value, name) for name in type(value).model_fields}
-                return value.model_copy(update={name: through(x) for name, x in inner.items()})
-            return Frozen({n: through(x) for n, x in value.items()}) if type(value) is Frozen else value
-
-        sections = {s: through(getattr(self.elements, s)) for s in SECTIONS}
-        return replace(self, elements=replace(self.elements, **sections))
 
 
 @lru_cache(maxsize=64)

@@ -247,6 +247,7 @@ class Carrier:
     structure: bool = False
     name: str = ""  # of the element that is carried
     signals: Mapping[str, Signal] = field(default_factory=dict)
+    open: bool = False  # whether an input is added to each signal but factors, which must stay positive
 
 
 SYMBOLS = Carrier(lambda owner, name: symbol(f"{owner}.{name}"), structure=True)

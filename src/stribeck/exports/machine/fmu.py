@@ -25,11 +25,8 @@ def files(model: MachineModel) -> dict[str, str | bytes]:
 def variables_of(model: MachineModel) -> Variables:
     """Time, an input for each signal, the states and their rates, the columns of the output, and every constant."""
     variables = Variables()
-    for each in model.inputs:
-        meaning = "added to the signal of the file, held over a step"
-        variables.add(
-            _structured(each.path), each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0
-        )
+    for place, each in model.inputs.items():
+        variables.add(_structured(each.name), each.unit, each.meaning, "input", f"m->s.constants[{place}]", start=0.0)
     states, first, nominal = model.machine.states, len(variables), model.scenario.elements.natural
     shown = {column.name: column for column in model.columns}
     for i, state in enumerate(states):
@@ -52,9 +49,8 @@ def variables_of(model: MachineModel) -> Variables:
             variables.add(
                 name, column.unit, column.meaning, "output", f"m->o[{i}]", settable=False, calculated_from=known
             )
-    inputs = {each.parameter for each in model.inputs}
     for i, constant in enumerate(model.parameters):
-        if i not in inputs:
+        if i not in model.inputs:
             name = _structured(constant.path)
             variables.add_constant(name, constant.constant, f"m->s.constants[{i}]", constant.value)
     return variables

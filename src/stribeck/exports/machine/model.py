@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stribeck.codegen import parameter_names, with_columns
@@ -14,19 +14,10 @@ from stribeck.exports.c.ccode import c_conditions
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
 from stribeck.machine.signal import INPUT, SignalUse
 from stribeck.machine.system import MachineSystem
+from stribeck.machine.table import SYMBOLS
 from stribeck.scenario import Scenario
 from stribeck.simulation.promise import SAMPLED_SHARE, step_share
 from stribeck.simulation.result import held_back
-
-
-@dataclass(frozen=True)
-class Input:
-    """An input: what is added to a signal of the file."""
-
-    path: str
-    name: str  # in C
-    unit: str
-    parameter: int  # its place among the run-time constants
 
 
 @dataclass(frozen=True)
@@ -51,7 +42,7 @@ class MachineModel:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.origin, self.options = scenario, origin, options
-        self.machine: MachineSystem = scenario.system.with_inputs()
+        self.machine = MachineSystem(scenario.elements.carrying(replace(SYMBOLS, open=True)))
 
     @cached_property
     def name(self) -> str:
@@ -62,7 +53,7 @@ class MachineModel:
     def code(self) -> str:
         """The equations, the solver, and the columns of the output."""
         machine = self.machine
-        return ascii_only_text(with_columns(machine, lambda: machine.outputs))
+        return with_columns(machine, lambda: machine.outputs).encode("ascii", "replace").decode()
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -83,20 +74,19 @@ class MachineModel:
         ]
 
     @cached_property
-    def inputs(self) -> list[Input]:
-        """The signals to which something can be added."""
-        place = {key: i for i, key in enumerate(self.machine.parameters)}
-        return [
-            Input(use.path, use.name, _unit_of(self.machine, use), place[use.path, INPUT])
+    def inputs(self) -> dict[int, Column]:
+        """Path and unit of each signal to which something can be added, by the place of that among the constants."""
+        place, meaning = self.machine.parameters.index, "added to the signal of the file, held over a step"
+        return {
+            place((use.path, INPUT)): Column(use.path, _unit_of(self.machine, use), meaning)
             for use in self.machine.signals
             if use.open
-        ]
+        }
 
     @cached_property
     def tunable(self) -> list[RunTimeConstant]:
         """The constants that are no inputs."""
-        taken = {each.parameter for each in self.inputs}
-        return [each for i, each in enumerate(self.parameters) if i not in taken]
+        return [each for i, each in enumerate(self.parameters) if i not in self.inputs]
 
     @property
     def conditions(self) -> list[tuple[RunTimeConstant, str, str]]:
@@ -193,15 +183,6 @@ def numbers(values: Iterable[float]) -> str:
 
 def _number(x: float) -> str:
     return repr(x) if abs(x) < float("inf") else "INFINITY" if x > 0 else "-INFINITY"
-
-
-def ascii_only_text(text: str) -> str:
-    """A text of many lines in ASCII."""
-    return text if text.isascii() else "\n".join(line if line.isascii() else _plain(line) for line in text.split("\n"))
-
-
-def _plain(line: str) -> str:
-    return line.encode("ascii", "replace").decode()
 
 
 def _unit_of(machine: MachineSystem, use: SignalUse) -> str:

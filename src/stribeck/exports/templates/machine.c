@@ -104,8 +104,8 @@ const char *{{ P }}_wrong(const {{ P }}_machine *m)
 {% for each, allowed, test in m.conditions %}
     if (!({{ test }})) return "{{ each.path }} must be {{ allowed }}";
 {% endfor %}
-{% for each in m.inputs %}
-    if (!isfinite(m->constants[{{ each.parameter }}])) return "{{ each.path }} must be a finite number";
+{% for place, each in m.inputs.items() %}
+    if (!isfinite(m->constants[{{ place }}])) return "{{ each.name }} must be a finite number";
 {% endfor %}
     return NULL;
 }
