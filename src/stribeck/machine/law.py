@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import PlainValidator, ValidationInfo, WithJsonSchema
+from pydantic import PlainValidator, ValidationError, ValidationInfo, WithJsonSchema
 
 from stribeck import laws
 from stribeck.constants import kind_of, show
@@ -70,6 +70,12 @@ def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, li
     if trouble := (in_a_file(table["name"]) and laws.trouble(read)) or laws.overflow(read):
         return None, [*problems, (f"{path}.name", f"{show(table['name'])}: {trouble}")]
     return read, problems
+
+
+def problems_below(path: str, problems: Iterable[Problem]) -> ValidationError:
+    """Problems of the table at a path, for its validator to raise."""
+    below = ((place.removeprefix(path).lstrip("."), text) for place, text in problems)
+    return problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
 
 
 def _named_law(table: Mapping[str, object], path: str, reading: Reading, problems: list[Problem]) -> type[Law] | None:
@@ -192,8 +198,7 @@ def _read(key: str, value: object, info: ValidationInfo) -> Friction | None:
     path = joined(reading.place, key)
     law, problems = read_law(value, path, reading)
     if problems:
-        below = ((place.removeprefix(path).lstrip("."), text) for place, text in problems)
-        raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
+        raise problems_below(path, problems)
     if law is None:
         return None
     assert isinstance(value, Mapping)

@@ -11,22 +11,20 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, WrapValidator, create_model
 
-from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.constants import Column, Constant, kind_of, show
-from stribeck.errors import InputError, NotDifferentiable
+from stribeck.constants import Column, Constant, show
+from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, Expr, derivative, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, sqrt, where
-from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law, Scales
 from stribeck.machine.element import GROUND, State
 from stribeck.machine.elements.controllers import AnyController, Courses
 from stribeck.machine.elements.cylinder import GAS, Piston
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.equations import Sample
-from stribeck.machine.law import Friction
+from stribeck.machine.law import Friction, problems_below, read_law
 from stribeck.machine.pneumatic.cascade import (
     Course,
     course,
@@ -132,13 +130,30 @@ def _read_observer(table: object, info: ValidationInfo) -> Friction | EllipsisTy
     """
     if not isinstance(table, Mapping):
         raise problems_at([((), no_table(table))])
+    name, others = table.get("name"), [key for key in table if key != "name"]
+    if "name" not in table:
+        raise problems_at([(("name",), f"missing: must be given (the name of a smooth law, or {NONE!r})")])
+    if name == NONE:
+        if others:
+            raise problems_at([((key,), f"{show(table[key])}: must be left out: no law") for key in others])
+        return None
     reading: Reading = info.context or Reading()
-    if in_a_file(table.get("name")) and not reading.executes:
+    plant, path = _law_on(info.data.get("on"), reading.others.get("contacts", {})), joined(reading.place, "observer")
+    inherited = {**plant.machine, **plant.values} if plant is not None else dict.fromkeys(PARAMETERS, 1.0)
+    inherited = {n: x for n, x in inherited.items() if n in PARAMETERS and x is not None}
+    given = table.get("parameters", {})
+    parameters = {**inherited, **given} if isinstance(given, dict) else given
+    law, problems = read_law({**table, "parameters": parameters}, path, reading)
+    if plant is None and isinstance(given, dict):  # which of its numbers are wrong is unknown
+        assumed = {f"{path}.parameters.{n}" for n in inherited if n not in given}
+        problems = [(place, text) for place, text in problems if place not in assumed]
+    if problems:
+        raise problems_below(path, problems)
+    if law is None or plant is None:
         return ...
-    law, wrong = _observer(table, _law_on(info.data.get("on"), reading.others.get("contacts", {})), reading)
-    if wrong:
-        raise problems_at([(tuple(key.split(".")), text) for key, text in wrong])
-    return Friction.from_law(law, table) if isinstance(law, Law) else law
+    if text := _useless(law):
+        raise problems_at([(("name",), f"{show(name)}: {text}")])
+    return Friction.from_law(law, table)
 
 
 def _contact_on(body: object, contacts: Mapping[str, Contact]) -> Contact | None:
@@ -149,47 +164,6 @@ def _contact_on(body: object, contacts: Mapping[str, Contact]) -> Contact | None
 def _law_on(body: object, contacts: Mapping[str, Contact]) -> Law | None:
     contact = _contact_on(body, contacts)
     return None if contact is None or contact.law is None else contact.law.law
-
-
-def _observer(
-    table: Mapping[str, object], plant: Law | None, reading: Reading
-) -> tuple[Law | EllipsisType | None, list[Problem]]:
-    """The law of an observer's table, and what is wrong with it; ... where what it takes from the plant is not known."""
-    name = table.get("name")
-    if "name" not in table:
-        return None, [("name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
-    if name == NONE:
-        return None, [(key, f"{show(x)}: must be left out: no law") for key, x in table.items() if key != "name"]
-    try:
-        cls = laws.find(name, reading.folder)
-        given = _parameters(table.get("parameters", {}), cls, reading)
-    except InputError as error:
-        place = "name" if not isinstance(table.get("parameters"), str) else "parameters"
-        return None, [(place, text) for text in error.problems]
-    constants = {key: x for key, x in table.items() if key not in ("name", "parameters")}
-    has = cls.constants()
-    inherited = {n: x for n, x in ({**plant.machine, **plant.values} if plant else {}).items() if n in PARAMETERS}
-    values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **constants}
-    if plant is None:  # which of its numbers are missing is unknown
-        values = {**{n: 1.0 for n in PARAMETERS if n in has and n not in values}, **values}
-    inside = f"{reading.to_file(reading.place)}.observer.parameters"
-    wrong = [(n, f"{show(constants[n])}: belongs in {inside}") for n in constants if n in PARAMETERS]
-    places = {n: f"parameters.{n}" for n in (*PARAMETERS, *given)}
-    problems = [(n, text) for n, text in cls.problems(values) if plant is not None or n in given or n in constants]
-    wrong += [(places.get(n, n), text) for n, text in problems]
-    if wrong or plant is None:
-        return ..., wrong
-    law = cls(values)
-    trouble = (in_a_file(name) and laws.trouble(law)) or _useless(law)
-    return (None, [("name", f"{show(name)}: {trouble}")]) if trouble else (law, [])
-
-
-def _parameters(given: object, cls: type[Law], reading: Reading) -> Mapping[str, object]:
-    if isinstance(given, str):
-        return laws.parameters_for(cls, given, reading.folder)
-    if not isinstance(given, dict):
-        raise InputError(f"{show(given)}: must be a table of numbers or the name of a set, not {kind_of(given)}")
-    return dict(given)
 
 
 def _useless(law: Law) -> str | None:
