@@ -173,38 +173,33 @@ def _law(
     adds."""
     from stribeck import laws, parameter_sets
     from stribeck.exports import contact_law
+    from stribeck.laws import sanity
     from stribeck.scenario import parse_assignments
     from stribeck.simulation.comparison import law_path
 
-    own_law = rig.elements.laws[rig.called.to_machine(law_path(rig, contact))] if rig is not None else None
-    if name is not None:
-        kind = laws.find(name)
-    elif own_law is not None:
-        kind = type(own_law)
-    else:
-        raise InputError("LAW: missing: must be given, unless --scenario names it")
     given = parse_assignments(assignments)
+    own = rig.elements.laws[rig.called.to_machine(law_path(rig, contact))] if rig is not None else None
+    if parameters is None and rig is not None and own is not None:
+        whole = contact_law(rig, contact)
+        if name in (None, own.name):
+            return whole.replace(**given)
+        if whole.inputs:
+            raise InputError(f"{', '.join(whole.beside)}: need the contact's own law {own.name!r}, not {name!r}")
+    if name is None and own is None:
+        raise InputError("LAW: missing: must be given, unless --scenario names it")
+    kind: type[Law] = laws.find(name) if own is None or name is not None else type(own)
     values, rotary = {}, False
     if parameters is not None:
         values = laws.parameters_for(kind, parameters, given=given)
         rotary = parameter_sets.load(parameters, needs=()).rotary
-    elif rig is not None and own_law is not None:
-        if (whole := contact_law(rig, contact)).inputs:
-            if kind is not type(own_law):
-                text = f"need the contact's own law {own_law.name!r}, not {name!r}"
-                raise InputError(f"{', '.join(whole.beside)}: {text}")
-            if problems := whole.problems({**whole.machine, **whole.p.numbers, **whole.p.words, **given}):
-                raise InputError([f"{key}: {text}" for key, text in problems])
-            return whole.replace(**given)
+    elif own is not None:
         constants = kind.own_constants()
-        values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in constants}
-        rotary = own_law.rotary
-    if problems := kind.problems({**values, **given}):
-        raise InputError([f"{key}: {text}" for key, text in problems])
+        values = own.machine | {n: x for n, x in (own.p.numbers | own.choices).items() if n in constants}
+        rotary = own.rotary
     law = kind({**values, **given}, rotary)
     if name is not None and ".py:" in name:
         if trouble := laws.trouble(law):
             raise InputError(f"{name!r}: {trouble}")
-        if gap := laws.gap(law):
-            note(f"law '{law.name}': {gap}")
+        for line in sanity.problems(law):
+            note(f"{law.name}: {line}")
     return law

@@ -90,20 +90,6 @@ def trouble(law: Law) -> str | None:
     return f"its equations give nan as {wrong[0]} at v = {at[0]:g} m/s, z = {at[1]:g} m and 0" if wrong else None
 
 
-def gap(law: Law) -> str | None:
-    """A message about a speed at which a user's law has no finite force, or None; samples of speeds are tested."""
-    speed = law.scales(law.p).speed
-    for v in (-speed, 0.0, 1e3 * speed, -1e3 * speed):
-        try:
-            with np.errstate(all="ignore"):
-                F = float(law.force(v, 0.0))
-        except ArithmeticError as error:
-            return f"its equations end at v = {v:g} m/s: {type(error).__name__}"
-        if not np.isfinite(F):
-            return f"its equations give {F:g} as F at v = {v:g} m/s"
-    return None
-
-
 def parameters_for(
     law: type[Law] | None, name: str, folder: Path | None = None, given: Container[str] = ()
 ) -> dict[str, float]:

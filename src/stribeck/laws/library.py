@@ -10,6 +10,7 @@ from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, error_text, nearest, note
 from stribeck.kinds import of_a_file
+from stribeck.laws import sanity
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
@@ -130,9 +131,9 @@ def _problem(law: type[Law]) -> str | None:
     if law.problems(values):
         return None
     example = law(values)
-    problem = laws.trouble(example)
-    if problem is None and (text := laws.gap(example)):
-        note(f"law '{law.name}': {text}")
+    if (problem := laws.trouble(example)) is None:
+        for line in sanity.problems(example):
+            note(f"{law.name}: {line}")
     return problem
 
 
