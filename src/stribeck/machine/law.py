@@ -17,19 +17,16 @@ from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, Law, Scales
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants, OnTerm
-from stribeck.machine.table import Carrier, ConstantLeaf, Problem, Reading, joined, no_table, problems_at
+from stribeck.machine.table import Carrier, ConstantLeaf, Problem, Reading, joined, no_table, problems_at, unknown_key
 
 _KEYS = ("name", "parameters")
 
 
 def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> list[Problem]:
     """A problem for each key that is not known."""
-    known = dict.fromkeys(known)
-    problems = []
-    for key in [key for key in table if key not in known]:
-        guess = nearest(key, known) or f" (known here: {', '.join(known)})"
-        problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
-    return problems
+    known = [*dict.fromkeys(known)]
+    strange = [(key, x) for key, x in table.items() if key not in known]
+    return [(f"{path}.{key}" if path else key or "''", unknown_key(key, x, known)) for key, x in strange]
 
 
 def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, list[Problem]]:

@@ -15,7 +15,8 @@ from stribeck.machine.element import SECTIONS
 from stribeck.machine.table import FileTable
 
 _DEEPEST = 8  # tables or lists within each other: a valid file has five (contacts.a.loads[0].force, and its weights)
-_LAW_NAME = re.compile(r"(.+\.)?law\.name")
+_OBSERVER = "drive.observer"
+_LAW_NAME = re.compile(rf"(.+\.)?law\.name|{_OBSERVER}\.name")
 _INSIDE = ".parameters."
 
 
@@ -65,12 +66,8 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
     for path in renamed:
         _set(new, path, changes[path])
         _drop_foreign_constants(new, path.removesuffix(".name"), folder)
-    if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
-        _set(new, "drive.observer.name", changes["drive.observer.name"])
-        if isinstance(observer := entry_at(new, "drive.observer"), dict):
-            _drop_of_observer(observer, folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
-        if path in (*renamed, "drive.observer.name"):
+        if path in renamed:
             continue
         law = path.partition(_INSIDE)[0] or "law"
         given = {other.removeprefix(f"{law}{_INSIDE}") for other in changes}
@@ -159,18 +156,12 @@ def _entry(table: list[object], name: str, path: str) -> int:
     return int(name)
 
 
-def _drop_of_observer(table: dict[str, object], folder: Path) -> None:
-    try:
-        has = laws.find(table["name"], folder).constants() if table["name"] != "none" else {}
-    except InputError:
-        return  # named by the validation that follows
-    _drop("drive.observer", table, {"name", "parameters", *has} if has else {"name"}, table["name"])
-
-
 def _drop_foreign_constants(data: dict[str, object], path: str, folder: Path) -> None:
     table, plant = entry_at(data, path), data.get("plant")
     if not isinstance(table, dict):
         return
+    if path == _OBSERVER and table["name"] == "none":
+        return _drop(path, table, {"name"}, "none")
     try:
         law = laws.find(table["name"], folder)
     except InputError:
@@ -179,7 +170,7 @@ def _drop_foreign_constants(data: dict[str, object], path: str, folder: Path) ->
     if isinstance(parameters := table.get("parameters"), dict):
         _drop(f"{path}.parameters", parameters, {*PARAMETERS, *law.constants()}, law.name)
     initial = plant.get("initial") if isinstance(plant, dict) else None
-    if not law.has_z and isinstance(initial, dict) and "z" in initial:
+    if path == "law" and not law.has_z and isinstance(initial, dict) and "z" in initial:
         note(f"plant.initial.z: dropped: law '{law.name}' has no z")
         del initial["z"]
 
