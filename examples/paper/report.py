@@ -10,10 +10,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import pyarrow
-
 from examples.paper.common import Chapter
-from stribeck.files import arrow_array, together, write_json, write_parquet
+from stribeck.files import parquet_of, together, write_json
 from stribeck.mouth.cells import human
 from stribeck.mouth.page import html
 from stribeck.version import __version__
@@ -69,8 +67,8 @@ def write(folder: Path, progress: Callable[[float, str], None] | None = None) ->
             _new(place / "figures" / f"{figure.name}.png").write_bytes(figure.png)
         for chapter in chapters:
             if chapter.data:
-                table = pyarrow.table({name: arrow_array(x) for name, x in chapter.data.items()})
-                write_parquet(table, _new(place / "data" / f"{chapter.key}.parquet"))
+                content = parquet_of((name, "", "", x) for name, x in chapter.data.items())
+                _new(place / "data" / f"{chapter.key}.parquet").write_bytes(content)
         page = html(
             TITLE, f"Made by Stribeck {__version__}.", [_in_short(chapters), *_INTRODUCTION], chapters, "make demo"
         )

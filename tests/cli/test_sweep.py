@@ -13,9 +13,9 @@ import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
+from stribeck.files import parquet_of
 from stribeck.platforms import locked
 from stribeck.sweeps import job as module
-from stribeck.sweeps.tables import as_parquet
 from tests.shared import LINKS
 
 GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
@@ -105,7 +105,7 @@ def test_one_process_at_a_time(stribeck, scenario, tmp_path):
 def test_a_table_holds_texts_numbers_and_what_is_missing():
     values = {"reason": ["", "\u00e9", "b"], "lane": [3, 2**53 + 1, -1], "F": [np.nan, 1.5, np.nan]}
     columns = [(name, "N", "what it is", np.array(x)) for name, x in values.items()]
-    table = parquet.read_table(BytesIO(as_parquet(columns)))
+    table = parquet.read_table(BytesIO(parquet_of(columns)))
     assert table.to_pydict() == values | {"F": [None, 1.5, None]}
     assert table.schema.field("F").metadata == {b"unit": b"N", b"meaning": b"what it is"}
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stribeck.errors import left_out, needed
-from stribeck.files import arrow_array, finite, seen_from, together, write_parquet, write_summary, write_with
+from stribeck.errors import left_out
+from stribeck.files import arrow_array, finite, parquet_of, seen_from, together, write_summary, write_with
 from stribeck.mouth import page
 from stribeck.simulation.solution import Solution
 
@@ -54,7 +54,14 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
     names = ["t", *(column.name for column in solution.columns)]
     write_with(paths[0], lambda beside: write_csv(beside, {name: solution[name] for name in names}))
     with left_out(paths[1].name):
-        _write_parquet(solution, paths[1])
+        scenario = solution.scenario
+        about = {
+            "scenario": scenario.name, "law": scenario.subject.removeprefix("law "), "status": solution.status,
+            "reason": solution.reason or "",
+        }  # fmt: skip
+        columns = [("t", "s", "time"), *((c.name, c.unit, c.meaning) for c in solution.columns)]
+        content = parquet_of(((*column, solution[column[0]]) for column in columns), about)
+        write_with(paths[1], lambda beside: beside.write_bytes(content))
         return paths
     return paths[:1]
 
@@ -79,23 +86,3 @@ def _cell(value: object) -> str:
     if isinstance(value, str):
         return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n') else value
     return "nan" if value != value else repr(value)
-
-
-def _write_parquet(solution: Solution, path: Path) -> None:
-    with needed("a Parquet file"):
-        import pyarrow
-
-    fields = [pyarrow.field("t", pyarrow.float64(), metadata={"unit": "s", "meaning": "time"})]
-    fields += [
-        pyarrow.field(c.name, pyarrow.float64(), metadata={"unit": c.unit, "meaning": c.meaning})
-        for c in solution.columns
-    ]
-    about = {
-        "scenario": solution.scenario.name,
-        "law": solution.scenario.subject.removeprefix("law "),
-        "status": solution.status,
-        "reason": solution.reason or "",
-    }
-    columns = [arrow_array(solution[field.name]) for field in fields]
-    table = pyarrow.Table.from_arrays(columns, schema=pyarrow.schema(fields, metadata=about))
-    write_with(path, lambda beside: write_parquet(table, beside))

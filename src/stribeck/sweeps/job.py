@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import finite, read_file, write_with
+from stribeck.files import finite, parquet_of, read_file, write_with
 from stribeck.mouth.document import Document
 from stribeck.platforms import Occupied, locked
 from stribeck.scenario import Scenario
@@ -148,7 +148,7 @@ class Sweep:
         values = {path: x[lanes.start : lanes.stop] for path, x in self.lanes.values.items()}
         ensemble = simulate_ensemble(self.lanes.scenario, values, threads=threads, progress=progress)
         columns = (tables.summary if self.summary else tables.trajectories)(ensemble, lanes.start)
-        content = tables.as_parquet(columns)
+        content = parquet_of(columns)
         _put(self.folder / self.name(part), content)
         failed = sum(reason is not None for reason in ensemble.reason)
         self._finished[self.name(part)] = Finished(sha256(content).hexdigest(), failed, int(ensemble.inaccurate.sum()))

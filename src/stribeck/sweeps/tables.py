@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.simulation import Ensemble
-
-if TYPE_CHECKING:
-    import pyarrow
 
 Values = NDArray[Any]
 Column = tuple[str, str, str, Values]  # name, unit, meaning, values
@@ -61,35 +57,3 @@ def summary(e: Ensemble, first: int) -> list[Column]:
         *columns,
         ("period", "s", f"mean time between upward crossings of {y.name}'s middle in the second half", period),
     ]
-
-
-def as_parquet(columns: Sequence[Column]) -> bytes:
-    """The columns as a Parquet file; a row that was not reached has nulls."""
-    import pyarrow
-    from pyarrow import parquet
-
-    arrays = [_array(values) for _, _, _, values in columns]
-    fields = [
-        pyarrow.field(name, array.type, metadata={"unit": unit, "meaning": meaning})
-        for (name, unit, meaning, _), array in zip(columns, arrays, strict=True)
-    ]
-    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
-    sink = pyarrow.BufferOutputStream()
-    parquet.write_table(table, sink, compression="zstd")
-    return bytes(sink.getvalue())
-
-
-def _array(values: Values) -> pyarrow.Array:
-    """Values as an Arrow array, without pandas, whose import costs 0.2 s and 40 MB."""
-    import pyarrow
-
-    if values.dtype.kind == "U":
-        texts = [text.encode() for text in values.tolist()]
-        ends = np.cumsum([0, *map(len, texts)], dtype=np.int32)
-        return pyarrow.StringArray.from_buffers(len(texts), pyarrow.py_buffer(ends), pyarrow.py_buffer(b"".join(texts)))
-    if values.dtype.kind != "f":
-        data = pyarrow.py_buffer(np.ascontiguousarray(values, np.int64))
-        return pyarrow.Array.from_buffers(pyarrow.int64(), len(values), [None, data])
-    mask = pyarrow.py_buffer(np.packbits(~np.isnan(values), bitorder="little").tobytes())
-    data = pyarrow.py_buffer(np.ascontiguousarray(values, np.float64))
-    return pyarrow.Array.from_buffers(pyarrow.float64(), len(values), [mask, data])
