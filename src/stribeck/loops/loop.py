@@ -9,15 +9,17 @@ import math
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.expressions.graph import Expr, derivative, symbol
 from stribeck.machine.elements.controllers import Controller
 from stribeck.machine.signal import SignalTable
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import entry_at
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
@@ -140,8 +142,6 @@ class SlidingLoop:
     """
 
     def __init__(self, scenario: Scenario, shaken: str | None = None) -> None:
-        from stribeck.simulation.rates import RateFunctions
-
         data = deepcopy(scenario.data)
         data.get("output", {}).pop("energy", None)
         for name, each in data.get("controllers", {}).items():
@@ -153,24 +153,38 @@ class SlidingLoop:
             motor.pop("voltage", None)
         bare = Scenario(data, folder=scenario.folder, trust=True)
         pieces = bare.pieces()
-        functions = RateFunctions(bare, pieces.rows[-1])
-        x, t = _sliding(bare), 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)
-        names = [state.name for state in bare.system.states]
+        system, x = bare.system, _sliding(bare)
+        names = [state.name for state in system.states]
+        segment = dict(zip(system.piece_fields, pieces.rows[-1], strict=True)) | dict.fromkeys(system.held, 0.0)
+        values = {key: np.float64(x) for key, x in bare.elements.values.items()}  # which divide by 0 without an error
+        rates, slopes = _rates_and_slopes(system)
+
+        def evaluated(quantities: tuple[Expr, ...], t: float) -> Array:
+            states = dict(zip(names, x, strict=True))
+            return np.array(system.evaluated(quantities, values, segment, np.float64(t), states), float)
+
+        t = 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)
         keep = [i for i, name in enumerate(names) if name not in ("E_in", "E_dissipated")]
         self.states = [names[i] for i in keep]
-        with np.errstate(all="ignore"):
-            self.jacobian = functions.jacobian(t, x)[np.ix_(keep, keep)]
+        self.jacobian = evaluated(slopes, t).reshape(len(x), len(x))[np.ix_(keep, keep)]
         if not np.isfinite(self.jacobian).all():
             raise InputError("the machine's numbers are so large that its rates have no finite derivatives")
         self.by_output = np.zeros(len(keep))
         if shaken is not None:  # a quarter period later the dither is 1
-            self.by_output = (functions.rates(t + 1.0, x) - functions.rates(t, x))[keep]
+            self.by_output = (evaluated(rates, t + 1.0) - evaluated(rates, t))[keep]
 
     def response(self, frequency: float) -> dict[str, float]:
         """The gain from the controller's output to each body's position at a frequency, Hz."""
         j_w = 2j * np.pi * frequency * np.eye(len(self.states))
         x = np.linalg.solve(j_w - self.jacobian, self.by_output)
         return {n.removesuffix(".y"): float(abs(v)) for n, v in zip(self.states, x, strict=True) if n.endswith(".y")}
+
+
+@lru_cache(maxsize=64)
+def _rates_and_slopes(system: MachineSystem) -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
+    """The rates of a system's states, and their derivatives by the states, row by row."""
+    states, rates = [symbol(state.name) for state in system.states], system.rates()
+    return tuple(rates), tuple(derivative(rate, state) for rate in rates for state in states)
 
 
 def _sliding(scenario: Scenario) -> Array:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError, needed
-from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
 from stribeck.loops.gains import at_speed, damping, decay
@@ -111,15 +110,12 @@ def along(solution: Solution) -> Along:
     saturated = np.abs(solution["u"]) >= gains["u_max"] * (1 - 1e-9)
     if cascade.sampling is not None or observer is None or not observer.has_z or cascade.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
-    values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.elements.values.items()}
-    rows = scenario.pieces().at(solution.t)
-    values |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
-    states = [state.name for state in system.states]
+    segment = dict(zip(system.piece_fields, scenario.pieces().at(solution.t).T, strict=True))
+    states = {state.name: solution[state.name] for state in system.states}
     rates = dict(zip(map(symbol, states), system.rates(), strict=True))
     derivative = total_derivative(system.outputs["V"], {symbol("t"): ONE, **rates})
-    function = python_function([*values, "t", *states], [derivative])
+    (dV_dt,) = system.evaluated((derivative,), scenario.elements.values, segment, solution.t, states)
     with np.errstate(all="ignore"):
-        dV_dt = function(*values.values(), solution.t, *(solution[name] for name in states))[0]
         bound = _bound(solution, observer, gains)
     return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated, _noise(solution))
 

@@ -254,14 +254,22 @@ class MachineSystem:
     def output_columns(
         self, values: Mapping[Key, Value], segment: Mapping[str, Value], t: Array, states: Mapping[str, Array]
     ) -> dict[str, Value]:
-        """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
-        shapes go together."""
+        """Every column by name; the arguments are those of :meth:`evaluated`."""
+        columns = self.evaluated(tuple(self.outputs.values()), values, segment, t, states)
+        return dict(zip((c.name for c in self.columns), columns, strict=True))
+
+    def evaluated(
+        self, quantities: tuple[Expr, ...], values: Mapping[Key, Value], segment: Mapping[str, Value], t: Value,
+        states: Mapping[str, Value],
+    ) -> tuple[Value, ...]:  # fmt: skip
+        """Quantities from constants, numbers of the signals' pieces and held outputs, times and states; whatever shapes go
+        together."""
         inputs: dict[str, Value] = {f"{path}.{name}": values[path, name] for path, name in self.parameters}
         kind = {**dict.fromkeys(segment, "segment"), **dict.fromkeys(self.shown, "memory")}
         inputs |= {f"{kind[name]}.{name}": x for name, x in segment.items()} | {"t": t, **states}
-        function = _output_function(self, tuple(inputs))
+        function = _function(tuple(inputs), quantities)
         with np.errstate(all="ignore"):
-            return dict(zip((c.name for c in self.columns), function(*inputs.values()), strict=True))
+            return function(*inputs.values())
 
     # -- variants ----------------------------------------------------------------------------------------------------
 
@@ -277,6 +285,6 @@ def interned(system: MachineSystem) -> MachineSystem:
 
 
 @lru_cache(maxsize=32)
-def _output_function(system: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Value, ...]]:
-    """A Python function of the inputs ``names`` for the columns of a machine."""
-    return python_function(names, list(system.outputs.values()))
+def _function(names: tuple[str, ...], quantities: tuple[Expr, ...]) -> Callable[..., tuple[Value, ...]]:
+    """A Python function of the inputs ``names`` for the quantities of a machine."""
+    return python_function(names, quantities)

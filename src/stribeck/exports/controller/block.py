@@ -274,17 +274,6 @@ class Block:
             notes.append(f"{names}: not in the export, because the encoder itself has this effect")
         return notes
 
-    def refuse(self, target: str, *names: str) -> None:
-        """Check that the compensation has no settings that the target cannot represent.
-
-        Raises:
-            InputError: one of these settings is given.
-        """
-        path = f"{self.controller.path}.compensation"
-        given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.elements.values]
-        if given:
-            raise InputError(f"{', '.join(given)}: must be left out: target '{target}' cannot carry it")
-
 
 def block_of(
     scenario: Scenario | None, part: str, controller: str | None = None, step: float | None = None, origin: str = "",

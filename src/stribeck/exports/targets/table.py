@@ -116,7 +116,9 @@ def _compensation(block: Block) -> Content:
     """A CSV of speed and of the share of the steady friction that is added at it."""
     machine, compensation = block.scenario.elements, block.controller.compensation
     assert compensation is not None
-    block.refuse("table", "lead")
+    if compensation.lead is not None:
+        path = f"{block.controller.path}.compensation.lead"
+        raise InputError(f"{path}: must be left out: target 'table' cannot carry it")
     law = machine.laws[block.controller.friction_path]
     v, force, error = fit(law)
     share = machine.values[f"{block.controller.path}.compensation", "share"] if compensation.share is not None else 1.0
