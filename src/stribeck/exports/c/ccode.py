@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -176,21 +176,17 @@ def c_conditions(law: Law, places: Mapping[str, str]) -> list[tuple[str, str, st
     return found
 
 
-def expression(node: Expr, names: Iterable[str]) -> str:
-    """An expression of these symbols in C, on one line."""
-    return _one_line(node, {name: name for name in names})
-
-
 def _one_line(node: Expr, inputs: Mapping[str, str]) -> str:
     line = CWriter(DIALECT, inputs, taken=_TAKEN).write([("result", node)])[-1]
     return line.removeprefix("result = ").removesuffix(";")
 
 
 def net_force() -> dict[str, str]:
-    """The net force on a body under the drive's force u and the friction F, and its derivative by F, in C."""
+    """The net force on a body under the drive's force u and the friction F, and its derivatives by both, in C."""
     u, F = symbol("u"), symbol("F")
     value = wrap(bodies.sum_of_forces(u, F))
-    return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
+    parts = {"value": value, "by_u": derivative(value, u), "by_F": derivative(value, F)}
+    return {name: _one_line(part, {"u": "u", "F": "F"}) for name, part in parts.items()}
 
 
 def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:

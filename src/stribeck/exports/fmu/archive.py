@@ -8,14 +8,13 @@ from collections.abc import Mapping
 
 from stribeck.errors import InputError
 from stribeck.exports.c import c99
-from stribeck.exports.c.ccode import expression, pair, render
+from stribeck.exports.c.ccode import pair, render
 from stribeck.exports.c.sampling import resolution
 from stribeck.exports.fmu.binaries import binaries
 from stribeck.exports.fmu.description import Description, Variables, model_description
 from stribeck.exports.request import Request
-from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
-from stribeck.machine.elements.bodies import MASS, sum_of_forces
+from stribeck.machine.elements.bodies import MASS
 
 
 def files(request: Request) -> dict[str, str | bytes]:
@@ -56,7 +55,7 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
         request.name, model, request.options.fmi, about, variables, states, exchange=True, slopes=not law.inputs,
     )  # fmt: skip
     return description, values | {
-        "body": body, "mass": mass, "acceleration": _acceleration(),
+        "body": body, "mass": mass,
         "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
         "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
         "knowns": [v.reference for v in variables if (v.causality == "input" or v in states) and v.name not in law.inputs],
@@ -103,17 +102,6 @@ def _variables(request: Request, mass: float, scales: Scales) -> Variables:
     for key, value in constants.items():
         variables.add_constant(key, request.declared[key], f"m->p.{key}", value)
     return variables
-
-
-def _acceleration() -> dict[str, str]:
-    mass, u, F = symbol("mass"), symbol("u"), symbol("F")
-    value = wrap(sum_of_forces(u, F) / mass)
-    names = ("mass", "u", "F")
-    return {
-        "value": expression(value, names),
-        "by_u": expression(derivative(value, u), names),
-        "by_F": expression(derivative(value, F), names),
-    }
 
 
 def _partials(references: dict[str, int], body: bool, has_z: bool) -> list[tuple[int, int, str]]:

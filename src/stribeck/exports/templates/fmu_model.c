@@ -51,9 +51,9 @@ static double velocity(const Model *m) { return {{ "m->x[1]" if body else "m->in
 static double deflection(const Model *m) { {{ "" if law.has_z else "UNUSED(m); " }}return {{ ("m->x[2]" if body else "m->x[0]") if law.has_z else "0" }}; }
 {% if body %}
 
-static double acceleration(double mass, double u, double F) { return {{ acceleration.value }}; }
-static double acceleration_by_u(double mass) { return {{ acceleration.by_u }}; }
-static double acceleration_by_F(double mass) { return {{ acceleration.by_F }}; }
+static double acceleration(double mass, double u, double F) { return ({{ net_force.value }}) / mass; }
+static double acceleration_by_u(double mass) { return {{ net_force.by_u }} / mass; }
+static double acceleration_by_F(double mass) { return {{ net_force.by_F }} / mass; }
 {% endif %}
 
 static void evaluate(const Model *m, Evaluation *e)
