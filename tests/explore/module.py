@@ -57,7 +57,7 @@ class Module:
 
     def run(self, scenario):
         """The columns of a scenario, by name."""
-        n, pieces, p = len(self.law["states"]), scenario.pieces(), self.values(scenario)
+        n, pieces, p = len(self.law["states"]), scenario.pieces, self.values(scenario)
         setup = self.room(8 * (n + 2))
         self.call("system_setup", p, scenario.solve.rtol, setup)
         result = self.read(setup, n + 2)

@@ -152,7 +152,7 @@ class SlidingLoop:
         for motor in data.get("motors", {}).values():
             motor.pop("voltage", None)
         bare = Scenario(data, folder=scenario.folder, trust=True)
-        pieces = bare.pieces()
+        pieces = bare.pieces
         system, x = bare.system, _sliding(bare)
         names = [state.name for state in system.states]
         segment = dict(zip(system.piece_fields, pieces.rows[-1], strict=True)) | dict.fromkeys(system.held, 0.0)
@@ -200,7 +200,7 @@ def _sliding(scenario: Scenario) -> Array:
             state[f"{body.name}.y"] = 10 * share * max([0.0, *gaps])
     arrays = {name: np.array([x]) for name, x in state.items()}
     held = {name: np.zeros(1) for name in system.held}
-    columns = machine.columns(np.zeros(1), arrays, held, machine.pieces(scenario.end))
+    columns = scenario.columns(np.zeros(1), arrays, held)
     for contact in system.contacts:
         if contact.has_z:
             w = float(np.ravel(columns[f"{contact.name}.w"])[0])

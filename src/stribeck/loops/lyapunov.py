@@ -110,7 +110,7 @@ def along(solution: Solution) -> Along:
     saturated = np.abs(solution["u"]) >= gains["u_max"] * (1 - 1e-9)
     if cascade.sampling is not None or observer is None or not observer.has_z or cascade.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
-    segment = dict(zip(system.piece_fields, scenario.pieces().at(solution.t).T, strict=True))
+    segment = dict(zip(system.piece_fields, scenario.pieces.at(solution.t).T, strict=True))
     states = {state.name: solution[state.name] for state in system.states}
     rates = dict(zip(map(symbol, states), system.rates(), strict=True))
     derivative = total_derivative(system.outputs["V"], {symbol("t"): ONE, **rates})

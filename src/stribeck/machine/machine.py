@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stribeck.arrays import Array
 from stribeck.constants import Column
 from stribeck.expressions.ops import Value, smaller, sqrt
 from stribeck.laws.base import Law, Scales
@@ -260,12 +259,6 @@ class Elements:
         samplings = (each.sampling for each in self.controllers.values() if each.sampling is not None)
         return [{"period": s.period, "delay": s.delay, "noise": 0.0 if s.noise is None else s.noise, "seed": s.seed}
                 for s in samplings]  # fmt: skip
-
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], table: Pieces) -> dict[str, Value]:
-        """Every column of the output by name, from the states and what controllers held at the times t."""
-        rows = table.at(t)
-        segment = {name: rows[:, i] for i, name in enumerate(self.system.piece_fields)}
-        return self.system.output_columns(self.values, segment | held, t, states)
 
 
 def _smallest(by_body: dict[str, Scales], name: str, s: Scales) -> None:

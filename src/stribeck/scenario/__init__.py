@@ -239,17 +239,15 @@ class Scenario:
         """The structure of the equations, without values."""
         return self.elements.system
 
+    @cached_property
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> Pieces:
         return self.elements.pieces(self.end)
 
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
-        """Every column of the output by name, from the states (and what controllers held) at the times t."""
-        return self.elements.columns(t, states, held or {}, self._pieces)
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array]) -> dict[str, Value]:
+        """Every column of the output by name, from the states and what controllers held at the times t."""
+        segment = dict(zip(self.system.piece_fields, self.pieces.at(t).T, strict=True))
+        return self.system.output_columns(self.elements.values, segment | held, t, states)
 
     @cached_property
     def places(self) -> dict[str, Key]:

@@ -90,7 +90,7 @@ class SolverInput:
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
     """A scenario as input of the compiled solver, with other tolerances than its own if given."""
     system, values, tolerances = scenario.system, scenario.elements.values, tolerances or promise.first(scenario)
-    share, pieces, held = promise.step_share(scenario) * float(tolerances.scale[0]), scenario.pieces(), len(system.held)
+    share, pieces, held = promise.step_share(scenario) * float(tolerances.scale[0]), scenario.pieces, len(system.held)
     room, noise = held_back(scenario.end, [scenario.elements.sampling()])
     doubles = {
         "parameters": np.array([values[key] for key in system.parameters]),

@@ -213,7 +213,7 @@ class Sweep:
     def _digest(self) -> str:
         """SHA-256 of all inputs of the numbers: equations and solver as C, all constants, the signal, the values."""
         s, lanes = self.lanes.scenario, self.lanes
-        table = s.pieces()
+        table = s.pieces
         constants = sorted((*key, x) for key, x in s.elements.values.items())
         text = json.dumps([source(s.system, lanes=True), constants, s.atol(), finite(s.data), list(lanes.values)])
         arrays = [table.start, table.rows, table.restart, *lanes.values.values()]

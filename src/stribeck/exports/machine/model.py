@@ -122,7 +122,7 @@ class MachineModel:
     def context(self) -> dict[str, object]:
         """Values for the templates."""
         scenario, machine, held = self.scenario, self.machine, len(self.machine.held)
-        pieces, share = scenario.pieces(), step_share(scenario)
+        pieces, share = scenario.pieces, step_share(scenario)
         room, noise = held_back(scenario.end, [scenario.elements.sampling()])
         atol = scenario.atol()
         limit = scenario.elements.longest_step
