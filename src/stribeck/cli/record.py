@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from stribeck.cli.options import ADVANCED, setting
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, read_pairs
-
-if TYPE_CHECKING:
-    from stribeck.identify.data.read import ColumnNames
 
 Keywords = dict[str, Any]  # arguments of a function of the library
 Data = Annotated[
@@ -45,24 +42,17 @@ class Columns:
     load: Annotated[str | None, setting("--load", "COL", "Column of the normal load.", ADVANCED)] = None
     pressure: Annotated[str | None, setting("--pressure", "COL", "Column of the pressure.", ADVANCED)] = None
 
-    def read(self) -> ColumnNames:
-        """The columns, each by its role, and their units, each given as ``COL=UNIT``.
+    def given(self) -> Keywords:
+        """The same as arguments of :func:`stribeck.fit`: the columns by their roles, and units, each given as ``COL=UNIT``.
 
         Raises:
             InputError: a unit is something else, or is given twice.
         """
-        from stribeck.identify.data.read import ColumnNames
-
-        units = read_pairs(_unit, self.unit or [], "--unit")
         names = {
             role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
         }
-        return ColumnNames(names, units, self.force_gain)
-
-    def given(self) -> Keywords:
-        """The same as arguments of :func:`stribeck.fit`."""
-        read = self.read()
-        return {"columns": read.names, "units": read.units, "force_gain": read.force_gain}
+        units = read_pairs(_unit, self.unit or [], "--unit")
+        return {"columns": names, "units": units, "force_gain": self.force_gain}
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import promise
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.promise import MeasuredMotion, Tolerances
-from stribeck.simulation.result import Result, ended, failure, held_back
+from stribeck.simulation.result import Result, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two checks of Ctrl-C and updates of the progress bar: some 30 ms
 EVENT_ROOM = 4096  # events between two calls of the solver: 48 kB
@@ -162,7 +162,7 @@ class Solving:
 
     def _result(self, status: int) -> Result:
         run, scenario = self.run, self.scenario
-        why = ended(scenario, run.t, self.views["x"]) if status < 0 else None
+        why = scenario.system.ended(scenario.elements.values, run.t, self.views["x"]) if status < 0 else None
         return Result(
             states=self.views["out"][: run.row],
             events=self.events,

@@ -145,12 +145,6 @@ def _moving(system: MachineSystem) -> NDArray[np.bool_]:
     return np.array([state.name in names for state in system.states])
 
 
-def promised(scenario: Scenario) -> NDArray[np.bool_]:
-    """The states with a promised accuracy: positions and velocities whose tolerance is not in the file."""
-    moving = _moving(scenario.system)
-    return moving & ~given(scenario) if scenario.solve.atol else moving
-
-
 @dataclass(frozen=True)
 class Missed(_OfLanes):
     """Where a run may miss the promise, with a row for each lane.
@@ -208,7 +202,8 @@ class Promise:
     @cached_property
     def _promised(self) -> NDArray[np.bool_]:
         """The states with a promised accuracy: positions and velocities whose tolerance is not in the file."""
-        return promised(self.scenario)
+        moving = _moving(self.scenario.system)
+        return moving & ~given(self.scenario) if self.scenario.solve.atol else moving
 
     def _at_rest(self, tolerances: Tolerances, measured: MeasuredMotion) -> NDArray[np.bool_]:
         """The states that move by no more than rounding."""

@@ -11,7 +11,6 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import nearest
-from stribeck.scenario import Scenario
 
 NOT_FINITE = -2  # a status of runtime/run.c and lanes.c
 
@@ -82,11 +81,6 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
     if status == -4:
         return f"at t = {t:.9g} s the steps needed for solve.rtol became so short that the end is 1e12 of them away"
     return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
-
-
-def ended(scenario: Scenario, t: float, x: Array) -> str | None:
-    """Why equations are no longer finite, if the system can report it."""
-    return scenario.system.ended(scenario.elements.values, t, x)
 
 
 def unknown_column(name: str, known: Iterable[str]) -> KeyError:

@@ -150,11 +150,9 @@ class Block:
     @cached_property
     def expressions(self) -> dict[str, Expr]:
         """Outputs by name, ``next.STATE``, and for a controller ``path.INPUT``, the file's signal at time t."""
-        return self._by_input | {f"path.{c.name}": self._path[c.name] for c in self.path_columns if self._has_path}
-
-    @property
-    def _has_path(self) -> bool:
-        return self.part == "controller"
+        if self.part == "compensator":
+            return self._by_input
+        return self._by_input | {f"path.{c.name}": self._path[c.name] for c in self.path_columns}
 
     @cached_property
     def _path(self) -> dict[str, Expr]:
@@ -164,7 +162,7 @@ class Block:
     @cached_property
     def pieces(self) -> list[list[float]]:
         """The values of the signal's pieces, each after its start."""
-        if not self._has_path or not self.path_columns:
+        if self.part == "compensator" or not self.path_columns:
             return []
         table = pieces(self.scenario.elements.signals[self.controller.use])
         rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
