@@ -92,7 +92,7 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]
             scale = u[len(u) // 2]
             slow = float(by_speed[u <= scale].max()) * 2
             with np.errstate(all="ignore"):
-                fast = float((by_speed / (u / scale) ** k).max(where=u > scale, initial=0.0)) * 2
+                fast = float((by_speed / (u / scale) ** k)[u >= scale].max()) * 2
             tail = by_speed[-1] / max(by_speed[-20], _LEAST) / (u[-1] / u[-20]) ** k
             steep = (
                 slope[:, -1]

@@ -67,7 +67,7 @@ class Curve(Signal):
 
     def table(self) -> Array:
         """The pieces from t = 0 on as rows: when each begins, and its coefficients."""
-        first = max(int(np.searchsorted(self._start, 0.0, side="right")) - 1, 0)
+        first = int(np.searchsorted(self._start, 0.0, side="right")) - 1
         return np.column_stack([self._start[first:], self._rows[first:]])
 
     @cached_property

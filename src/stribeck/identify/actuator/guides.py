@@ -139,7 +139,7 @@ class Guides:
         frequencies = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
         low = min(frequencies, default=np.inf) / _LOOSER
         high = 1 / min(float(np.median(np.diff(r.t))) for _, r in self._recordings)
-        count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if every else 0
+        count = int(np.log(high / low) / np.log(_LOOSER)) + 1 if every else 0
         return [0.0, *(float(low * _LOOSER**n) for n in range(count))]
 
     def at(self, bandwidth: float, noisy: bool = False) -> Guided:

@@ -81,8 +81,8 @@ class Selection(Generic[Of]):
 
 def rows_together(r: Array) -> float:
     """How many rows in a row err alike: the sum of the residual's correlation up to its first zero."""
-    n, length = len(r), next_fast_len(2 * len(r), real=True)
-    correlation = np.fft.irfft(abs(np.fft.rfft(r - r.mean(), length)) ** 2, length)[: n // 2]
+    length = next_fast_len(2 * len(r), real=True)
+    correlation = np.fft.irfft(abs(np.fft.rfft(r - r.mean(), length)) ** 2, length)
     if correlation[0] <= 0:
         return 1.0
     correlation = correlation / correlation[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import EllipsisType, SimpleNamespace
@@ -40,7 +40,6 @@ from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import (
     Aside,
     ConstantField,
-    ConstantLeaf,
     FileTable,
     Held,
     Loc,
@@ -260,11 +259,6 @@ class PressureCascade(AnyController):
         if "sampling" in data:
             raise problems_at([(("sampling",), unknown_key("sampling", data["sampling"], cls.file_keys()))])
         return super().completed(data, reading)
-
-    def leaves(self, path: str) -> Iterator[ConstantLeaf]:
-        """Without the gains of an adaptation that there is not."""
-        off = None if self.adaptive else joined(path, "adaptation")
-        return (leaf for leaf in super().leaves(path) if leaf.key[0] != off)
 
     # -- its form ------------------------------------------------------------------------------------------------------
 
