@@ -12,6 +12,7 @@ import tomli_w
 
 import stribeck
 from stribeck import examples
+from stribeck.cli import listen
 from stribeck.files import together, write_text
 from stribeck.identify import written
 from stribeck.identify.actuator import MachineFit
@@ -214,6 +215,11 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
     assert process.returncode == 128 + number
     assert error in ("stribeck: interrupted\n", "stribeck: terminated\n", "stribeck: ended\n")
     assert content(out) == {}
+
+
+def test_a_signal_that_is_ignored_as_under_nohup_stays_so(monkeypatch):
+    monkeypatch.setattr(signal, "getsignal", lambda number: signal.SIG_IGN)
+    assert listen() == []
 
 
 @pytest.mark.parametrize(("backend", "number"), [("wasm", "contacts.rail.law.k_v"), ("auto", "solve.rtol")])

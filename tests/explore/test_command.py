@@ -18,6 +18,8 @@ def test_the_page_stands_alone_and_is_small(built, data):
     modules = [len(base64.b64decode(law["wasm"])) for law in data["laws"].values()]
     rest = (len(builtin()) - len(modules)) * (4 / 3 * max(modules) + 6000)
     assert built.stat().st_size + rest < 1.5e6
+    figures = json.dumps(data["figures"])  # the charts over time have one toolbar
+    assert [figures.count(text) for text in ('"logo": null', '"toolbar_location": null')] == [8, 3]
     paths = {n["path"] for n in (*data["numbers"], *data["laws"]["lugre_majorant"]["numbers"])}
     assert {"law.k_v", "law.parameters.F_s", "plant.mass", "plant.initial.z", "drive.stiffness", "drive.signal.rate",
             "solve.t_end", "solve.rtol", "output.step"} <= paths  # fmt: skip

@@ -16,18 +16,20 @@ from tests.loops.axis import axis
 PATH = "controllers.hold.K_p"
 
 
-def along(monkeypatch, verdict, low=100.0, high=800.0):
+def along(monkeypatch, verdict, low=100.0, high=800.0, tell=None):
     """What is named where the verdict at each value is what ``verdict`` says."""
 
     def judge(_, values, slowest):
         return [Judgment(verdict(x), "a", 0.0, 0.0) for x in values[PATH].tolist()]
 
     monkeypatch.setattr(boundary, "judge", judge)
-    return line(loop_of(Scenario(axis())), Turned(PATH, low, high))
+    return line(loop_of(Scenario(axis())), Turned(PATH, low, high), tell)
 
 
 def test_a_plain_change_is_a_boundary(monkeypatch):
-    solution = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting")
+    told = []
+    solution = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting", tell=told.append)
+    assert (told[0], told) == (0.1, sorted(told))
     (named,) = solution.boundaries
     assert named.low <= 333.3 <= named.high
     assert named.value == pytest.approx(333.3, rel=1e-3)

@@ -154,7 +154,8 @@ def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp
 
 def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
     """The run at 5 % more speeds up by itself; at 5 % less than the share the same body comes to rest."""
-    loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))
+    pull = {"on": "a", "kind": "signal", "signal": {"kind": "step", "value": 0.1, "time": 0.0}}  # not in the run
+    loop = loop_of(Scenario({**axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0)), "loads": {"pull": pull}}))
     samples = uncertainty.friction_samples(uncertainty.friction_intervals(loop.scenario, None))
     result = excess(loop.scenario, "hold", samples)
     assert result.share == pytest.approx(1.0, rel=1e-9)  # the same law on both sides
@@ -168,6 +169,7 @@ def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
     )
     assert result.worst_share == pytest.approx(taken / added, rel=1e-9)
     assert result.worst_share < 0.9
+    assert not result.counterexample.elements.loads
     run = stribeck.simulate(result.counterexample)
     assert run["a.v"][-1] > 2 * v
     assert run["E_in"][-1] > 0  # what the compensation supplied

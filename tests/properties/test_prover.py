@@ -85,6 +85,7 @@ def test_a_lower_bound_is_found_by_bisection():
         ((W - 1) * sign(W - 1), True),
         ((U - W) ** (2 * (1 + W) / (1 + W)), True),
         ((U + 1) ** W, True),
+        ((4 + U / (1 + U)) ** 0.375 - 1.5, True),
         (2 - (1 - 2 * U) ** 0.3, False),  # the power is at most 1, but has no value for U > 1/2
         ((U - 1) * (U - 1) ** (-W / W), False),  # 1, but for U = 1
         (2 + sin(sqrt(U - 1)), False),

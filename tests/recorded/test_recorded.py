@@ -233,6 +233,8 @@ def test_an_npz_with_a_column_twice(tmp_path):
     with zipfile.ZipFile(path, "a") as archive, duplicate, archive.open("u.npy", "w") as file:
         np.lib.format.write_array(file, 2 * T)
     source = opened(path)
-    assert source.columns({"time": "t"})["time"].tolist() == T.tolist()
+    columns = source.columns({"time": "t", "position": "t"})
+    assert [x.tolist() for x in columns.values()] == [T.tolist()] * 2
+    assert not np.shares_memory(*columns.values())  # one column for two roles
     with pytest.raises(InputError, match=r"'u'.*is there twice"):
         source.columns({"time": "t", "force": "u"})

@@ -31,10 +31,12 @@ def test_the_manifest_counts_the_lanes_beyond_the_promised_accuracy(tmp_path):
 
 
 def test_the_manifest_counts_the_lanes_that_failed(tmp_path):
-    result = stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True)
+    masses, told = {"plant.mass": [1.0, -1.0, 2.0]}, []
+    result = stribeck.sweep(SCENARIO, masses, tmp_path, summary=True, progress=lambda *done: told.append(done))
+    assert told[-1] == (1.0, 3)
     manifest = json.loads((tmp_path / "_manifest.json").read_text())
     assert result.failed == sum(manifest["failed"].values()) == 1
-    assert stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True).failed == 1
+    assert stribeck.sweep(SCENARIO, masses, tmp_path, summary=True).failed == 1
 
 
 @pytest.mark.parametrize("count", [None, "x", -1, True, 1.5])

@@ -15,6 +15,7 @@ from stribeck_verify.expressions import Node, Refused, derivative, name, read, r
 from stribeck_verify.identities import Normal, written_out
 from stribeck_verify.intervals import Evaluation, evaluate
 from stribeck_verify.leaf import Leaf, Region
+from stribeck_verify.meeting import Cases, agree_on_axis
 
 U, W = name("u"), name("w")
 NAMES = {"u": U, "w": W, "pi": name("pi")}
@@ -206,6 +207,7 @@ ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u"
         (["sub", ["mul", "3/4", "u"], TANH], (1, 2), [TANH, "slope", "0", "3/4"], False),
         (["sub", ["mul", "4/5", "u"], TANH], (0, 2), [TANH, "slope", "0", "4/5"], False),
         (["sub", ["mul", "4/5", "u"], TANH], (-1, 2), [TANH, "slope", "0", "1"], False),
+        (["sub", ["sin", ["div", "pi", "4"]], "1"], (1, 2), [TANH, "slope", "0", "1"], False),
     ],
 )  # fmt: skip
 def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
@@ -293,6 +295,9 @@ def test_what_is_plainly_so_is_accepted():
     """One condition in two forms, the root of a square, and a quotient by what is < 0 and begins at 0."""
     normal, box = Normal(), {"u": (fmpq(0), fmpq(2))}
     conditions = (["le", "u", "w"], ["le", ["sub", "u", "w"], "0"])
-    assert len({normal.key(read(["where", c, "u", "w"], NAMES)) for c in conditions}) == 1
+    for same in (conditions, [["both", c, ["lt", "u", "1"]] for c in conditions]):
+        assert len({normal.key(read(["where", c, "u", "w"], NAMES)) for c in same}) == 1
     assert Leaf(Region(box, box, True), []).holds(read(["sub", ["sqrt", ["mul", "u", "u"]], "u"], NAMES), "=0")
     assert Evaluation(box, positive=True)(read(["div", "1", ["neg", "u"]], NAMES)) == (None, fmpq(-1, 2))
+    case = read(["where", ["lt", ["neg", "u"], ["add", "w", "1"]], "w", "u"], NAMES)  # on the whole quadrant
+    agree_on_axis([(Cases(case), 1), (Cases(W), 1)], U, None)

@@ -33,6 +33,7 @@ def test_other_noise_of_an_encoder_is_none_at_rest(step):
     guided = guides.at(guides.bandwidths[3], noisy=True).recordings[0][1]
     rest, motion = (t > 0.6) & (t < 0.9), (t > 0.1) & (t < 0.4)
     for other in guided.as_well[CARRIED]:
+        assert other.inputs.keys() == guided.inputs.keys()
         added = other.outputs["a.y"].x - measured
         assert np.std(added[motion]) == pytest.approx(step / np.sqrt(12) if step else 3e-4, rel=0.5)
         assert (np.std(added[rest]) < 0.1 * np.std(added[motion])) == bool(step)

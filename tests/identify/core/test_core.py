@@ -99,7 +99,9 @@ def test_a_number_that_one_file_alone_shows_is_as_certain_as_there():
 
 def test_the_spread_between_files_is_in_the_interval():
     levels = (4.6, 5.0, 5.4)
-    apart = judged(choice_of(joined(*(record(6 + i, F_c=x, F_s=x + 3) for i, x in enumerate(levels)))))["F_c"]
+    choice = choice_of(joined(*(record(6 + i, F_c=x, F_s=x + 3) for i, x in enumerate(levels))))
+    assert set(choice.library.files) == {0, 1, 2}  # of its blocks, none over two files
+    apart = judged(choice)["F_c"]
     alike = judged(choice_of(joined(*(record(6 + i) for i in range(3)))))["F_c"]
     assert np.diff(apart.interval) > 5 * np.diff(alike.interval)
     assert inside(apart, 5.0)
