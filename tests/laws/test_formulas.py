@@ -78,14 +78,10 @@ def test_force_rate(name):
             size = abs(S0 * z) + S1 * abs(v) + FS
             expected = (force[1] - force[0]) / (2 * h)
             assert model.force_rate(v, z, w) == pytest.approx(expected, rel=1e-5, abs=1e-15 * size / h)
-
-
-@pytest.mark.parametrize("name", SMOOTH)
-def test_smooth_laws_have_a_force_rate_at_rest(name):
-    model = make(name)
-    result = model.force_rate(0.0, np.array([-1e-5, 0.0, 1e-5]), np.array([[-1.0], [0.0], [2.0]]))
-    assert result.shape == (3, 3)
-    assert np.isfinite(result).all()
+    if name in SMOOTH:
+        at_rest = model.force_rate(0.0, np.array([-1e-5, 0.0, 1e-5]), np.array([[-1.0], [0.0], [2.0]]))
+        assert np.isfinite(at_rest).all()
+        assert at_rest.shape == (3, 3)
 
 
 def test_the_force_rate_at_rest_in_numbers():

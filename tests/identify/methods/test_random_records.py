@@ -101,6 +101,10 @@ def test_viscous_friction_is_seen_at_any_speed():
     v = 1e3 * np.sin(2 * np.pi * 1.1 * t)
     force = np.sign(v) + 1e-3 * v + 0.02 * rng.standard_normal(len(t))
     columns = {"t": t, "v": v, "F": force}
-    fit = stribeck.fit(columns, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0, cutoff=0)
+    words = {"time": "t", "velocity": "v", "force": "F", "mass": 0.0, "cutoff": 0}
+    fit = stribeck.fit(columns, "coulomb_viscous", **words)
     assert fit.estimates["sigma_2"].value == pytest.approx(1e-3, rel=0.02)
     assert fit.estimates["F_c"].value == pytest.approx(1.0, rel=0.02)
+    columns["F"] = force - 1.1 * np.sign(v)
+    least = stribeck.fit(columns, "coulomb_viscous", **words).values["F_c"]  # a level > 0, for a simulation
+    assert least == pytest.approx(1e-9 * np.max(abs(columns["F"])))
