@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import measure  # noqa: F401  (by which tests/ can be imported)
 import numpy as np
 from scipy.integrate import solve_ivp
 
