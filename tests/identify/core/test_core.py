@@ -149,6 +149,10 @@ def test_nodes_at_the_optima_leave_little_of_the_grid_s_error():
     before = lib.solve(lib.gram.sum(0))[1].min()
     refine(lib, len(log))
     assert lib.solve(lib.gram.sum(0))[1].min() < 0.5 * before
+    lib = library(record_of(rows_of(log := record(1, end=8.0)), ("offset",), {}), SteadyCurve("stribeck", {}, ()))
+    grid = len(lib.nodes)
+    refine(lib, len(log))
+    assert lib.models[int(np.argmin(lib.scores(lib.solve(lib.gram.sum(0))[1], len(log))))][0] >= grid
 
 
 @pytest.mark.parametrize(("F_s", "possible"), [(8.0, True), (4.0, False)])

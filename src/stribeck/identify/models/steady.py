@@ -357,34 +357,43 @@ def anchor(
 
 
 def refine(lib: SteadyLibrary, rows: float) -> None:
-    """Add nodes at the optima of the best sets of forms and of the law alone. The next best sets are tried there too.
+    """Add nodes at the optima of the best sets of forms and of the law alone, until the best model is at such a node.
 
-    Without these nodes, forms would compensate the grid's error.
+    The next best sets are tried there too. A set with a node at its optimum leaves the grid, whose nodes are as far from an
+    optimum as a slope may hold: reported from there, forms would compensate the grid's error.
     """
     if not lib.step:
         return
+    grid, done, order = len(lib.nodes), set[frozenset[str]](), _ranked(lib, rows)
+    of_set = dict[frozenset[str], Model]()
+    for model, _ in order:
+        of_set.setdefault(frozenset(model[1]), model)
+    best = list(of_set.values())
+    sought = [*best[:REFINED], *(m for m in best[REFINED:] if not m[1])]
+    while sought:
+        at, shapes, heights, models = dict(order), list[dict[str, float]](), list[dict[str, float]](), list[Model]()
+        n = len(lib.curve.names)
+        for model in sought:
+            rest = lib.columns[:, lib.index(model)[lib.k :]]
+            shape, y, _ = optimum(lib.law, lib.shape(model, at[model]), rest, lib.columns[:, 0])
+            possible = lib.curve.possible(y[:n].tolist(), lib.largest)
+            done |= {frozenset(model[1])} if possible or model[1] else set()
+            if possible:
+                with_ = {frozenset(m[1]): m[1] for m in (*best[:REFINED_WITH], model)}
+                models += [(len(lib.nodes) + len(shapes), forms) for forms in with_.values()]
+                shapes.append(shape)
+                heights.append(lib.curve.anchored(y[:n].tolist()))
+        if shapes:
+            lib.add(shapes, heights)
+        lib.keep([*(m for m in lib.models if m[0] >= grid or frozenset(m[1]) not in done), *models])
+        order = _ranked(lib, rows)
+        sought = [m for m, _ in order[:1] if m[0] < grid and m[1]]
+
+
+def _ranked(lib: SteadyLibrary, rows: float) -> list[tuple[Model, Array]]:
+    """The models and their coefficients, the best first."""
     x, sse = lib.solve(lib.gram.sum(0))
-    order = np.argsort(lib.scores(sse, rows)).tolist()
-    sets: dict[frozenset[str], Model] = {}
-    for i in order:
-        sets.setdefault(frozenset(lib.models[i][1]), lib.models[i])
-    ranked = list(sets.values())
-    alone = [m for m in ranked[REFINED:] if not m[1]]
-    at = {lib.models[i]: i for i in order}
-    shapes, heights, models = list[dict[str, float]](), list[dict[str, float]](), list[Model]()
-    n = len(lib.curve.names)
-    for model in (*ranked[:REFINED], *alone):
-        rest = lib.columns[:, lib.index(model)[lib.k :]]
-        shape, y, _ = optimum(lib.law, lib.shape(model, x[at[model]]), rest, lib.columns[:, 0])
-        if not lib.curve.possible(y[:n].tolist(), lib.largest):
-            continue
-        with_ = ranked[:REFINED_WITH] if model not in alone else [model]
-        models += [(len(lib.nodes) + len(shapes), m[1]) for m in with_]
-        shapes.append(shape)
-        heights.append(lib.curve.anchored(y[:n].tolist()))
-    if shapes:
-        lib.add(shapes, heights)
-        lib.keep([*lib.models, *models])
+    return [(lib.models[i], x[i]) for i in np.argsort(lib.scores(sse, rows)).tolist()]
 
 
 def chosen(
