@@ -12,10 +12,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import bilinear, lfilter, lfilter_zi
 
 from stribeck.arrays import Array
 from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
@@ -28,6 +29,7 @@ POWERS = (0.5, 1.5, 2.0, 3.0)  # of the speed: thinning grease, turbulence, drag
 LAGS = (2.0, 6.0, 18.0, 54.0)  # samples, by factors of 3: one lag between two of them leaves 4 % of its effect
 WAVES = 3  # a line and two cosines over a record's length: of warming up over all of it they leave 4 %
 OF_RECORD = ("drift", "level by time", "filter")
+BESIDE_FRICTION = ("weight", "spring", "ripple", "coupling")  # first words of forms that are no friction
 OF_LEVEL = ("bend", "pointed", "growth", "uneven", "level", "load")  # first words of forms of steady friction
 LOADED = "load and weight"  # friction that grows with inertial force, offset and weight
 BENDS_BELOW = 0.35  # of v_s: half of such a bend is what the law's own curve cannot do, of a wider one less
@@ -42,6 +44,8 @@ _WORDS = {  # by the first words of a form's name; {}: its number
     "level by time": "a friction level that changes with time", "filter": "the cut-off frequency of the filter",
     "level by position": "a friction level that changes with position", "spring": "a spring", "weight": "a weight",
     "ripple": "a force that repeats with position", "level ripple": "a friction level that repeats with position",
+    "coupling": "an elastic coupling that swings at {:g} Hz",
+    "force filter": "a force measured behind a filter of {:g} ms",
     "level by load column": "friction that grows with the measured load",
     "level by pressure column": "friction that grows with the measured pressure",
 }  # fmt: skip
@@ -67,6 +71,8 @@ class Anchor:
         carried: further parts of the force: an offset, and sine and cosine of the position.
         middle: the mean position, where a level that changes with position is the law's.
         waves, level_waves: ripples of the force and of the friction's level over the position, 1/m.
+        swing: the resonance of an elastic coupling, Hz, and its damping ratio.
+        late: the time constant of a filter of the force, s.
     """
 
     curve: SteadyCurve
@@ -82,6 +88,8 @@ class Anchor:
     middle: float = 0.0
     waves: tuple[float, ...] = ()
     level_waves: tuple[float, ...] = ()
+    swing: tuple[float, float] | None = None
+    late: float = 0.0
 
     def friction(self, v: Array) -> Array:
         """The law's friction with the anchor's coefficients."""
@@ -93,6 +101,13 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     v, sign, load = log.velocity, at.curve.sign(log.velocity, at.shape), at.found.get("mass", 0.0) * log.acceleration
     friction, columns = at.friction(v), _of_speed(v, sign, at)
     columns |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
+    runs = list(log.runs())
+    if at.late:
+        of_filter = filtered(at.late)
+        columns[f"force filter {1e3 * at.late:.2f}", ""] = lambda: behind(load + friction, runs, log.step, *of_filter)
+    if at.swing:
+        of_swing = coupling(*at.swing, log.step)
+        columns[f"coupling {at.swing[0]:.1f}", ""] = lambda: behind(log.acceleration, runs, log.step, *of_swing)
     if at.turns:
         columns |= {(f"play {w}", ""): lambda w=w: direction_along(log, w * at.way) - np.sign(v) for w in WIDTHS}
         columns |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
@@ -145,6 +160,30 @@ def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
         if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
             causes.setdefault(e.depends_on, []).append(name)
     return [f"{', '.join(names)}: the range covers {in_words(cause)}." for cause, names in causes.items()]
+
+
+def filtered(time: float) -> tuple[list[float], list[float]]:
+    """A filter of first order, as numerator and denominator in s."""
+    return [1.0], [time, 1.0]
+
+
+def coupling(hertz: float, damping: float, step: float) -> tuple[list[float], list[float]]:
+    """The acceleration of a mass behind that of the drive which carries it along, as numerator and denominator in s.
+
+    Args:
+        hertz: the resonance of the mass on the coupling; ``damping``: its ratio.
+    """
+    w = 2 / step * np.tan(np.pi * min(hertz * step, HIGHEST))  # moved as the bilinear transform moves it back
+    return [2 * damping * w, w * w], [1.0, 2 * damping * w, w * w]
+
+
+def behind(x: Array, runs: Iterable[slice], step: float, numerator: list[float], denominator: list[float]) -> Array:
+    """What a filter adds to a series (rows first); each run begins in the steady state of its first row."""
+    b, a = bilinear(numerator, denominator, 1 / step)
+    out, still = np.empty(x.shape), lfilter_zi(b, a)
+    for run in runs:
+        out[run] = lfilter(b, a, x[run], axis=0, zi=np.multiply.outer(still, x[run][0]))[0]
+    return out - x
 
 
 def _smoother_force(log: Log, at: Anchor) -> Array:

@@ -16,7 +16,7 @@ from stribeck import laws
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.forms import OF_RECORD, dependences, law_at, sizes_in_words
+from stribeck.identify.core.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log, typical_roughness
@@ -246,7 +246,7 @@ def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     if "sigma_2" in record.given:
         friction = friction + record.given["sigma_2"] * record.column(record.log.velocity)
     for j in range(lib.first_form, len(i)):
-        if not lib.name[i[j]][0].startswith(("weight", "spring", "ripple", *OF_RECORD)):
+        if not lib.name[i[j]][0].startswith((*BESIDE_FRICTION, *OF_RECORD)):
             friction = friction + lib.columns[:, i[j]] * x[j]
     measured = friction + lib.residual(choice.model, x)
     rows = FrictionRows(record.log.time[record.at], record.log.velocity[record.at], measured, friction)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.forms import OF_RECORD, Anchor, Key, forms
+from stribeck.identify.core.forms import BESIDE_FRICTION, OF_RECORD, Anchor, Key, forms
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
@@ -58,7 +58,7 @@ class Predictor:
         carried = {k: c for k, c in self.forms.items() if not k[0].startswith(OF_RECORD)}
         form_columns = forms(log, self.at) if carried else {}
         for key, c in carried.items():
-            if key in form_columns and key[0].startswith(("weight", "spring", "ripple")):
+            if key in form_columns and key[0].startswith(BESIDE_FRICTION):
                 beside = beside + c * form_columns[key]()
             elif key in form_columns:
                 friction = friction + c * form_columns[key]()
@@ -84,7 +84,7 @@ class Predictor:
 def of_json(saved: Kept) -> Predictor:
     """The predictor from fit.json."""
     curve = SteadyCurve(saved["curve"]["law"], saved["curve"]["given"], saved["curve"]["free"])
-    lists = {n: tuple(saved["at"][n]) for n in ("speeds", "waves", "level_waves")}
+    lists = {n: tuple(x) for n, x in saved["at"].items() if isinstance(x, list)}
     named = {(form, column): c for form, column, c in saved["forms"]}
     anchor = Anchor(curve, **{**saved["at"], **lists})
     return Predictor(anchor, saved["shape"], saved["law"], saved["body"], named, saved["error"])

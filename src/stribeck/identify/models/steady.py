@@ -17,6 +17,7 @@ from stribeck.identify.log import INTEGRAL
 from stribeck.identify.models.curves import SPEEDS, SteadyCurve
 from stribeck.identify.models.over_position import ripple_range, ripple_waves, travel
 from stribeck.identify.models.record import LawColumns, Record
+from stribeck.identify.models.transmission import Transmission
 
 ASKED = "level at {:.4g}"  # at a speed given by the user
 # Nodes of the grid by the number of shapes: factors of 1.5 to 3 apart, where a slope still holds.
@@ -257,7 +258,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     shape, x, _ = optimum(law, best, body, record.force)
     if not _sound(curve, shape, x, ranges):
         shape, x = best, at_nodes[shapes.index(best)]
-    at = anchor(record, law, shape, x, body, speeds)
+    at = anchor(record, curve, shape, speeds)
     out = _with_forms(record, law, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
     n = len(curve.names)
     out.add([*shapes, shape], [curve.anchored(c[:n].tolist()) for c in (*at_nodes, x)])
@@ -320,15 +321,17 @@ def _in_body(column: Array, body: Array) -> bool:
     return any(size * float(b @ b) * (1 - FAINT) < float(column @ b) ** 2 for b in body.T)
 
 
-def anchor(
-    record: Record, law: LawColumns, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
-) -> Anchor:
-    """The constants of the forms' columns from a fit of the law alone, and the ripples in its residual."""
-    curve, log, v, n = law.curve, record.log, record.log.velocity, len(law.curve.names)
+def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speeds: Sequence[float]) -> Anchor:
+    """The constants of the forms' columns from a fit of the law behind a filter of the force, and the ripples in its residual."""
+    log, v, n = record.log, record.log.velocity, len(curve.names)
+    ways = Transmission(record, curve, shape)
+    late = ways.force_filter()
+    columns = ways.behind_filter(late)
+    x = np.asarray(np.linalg.lstsq(columns, record.force, rcond=RANK)[0], float)
+    residual = record.force - columns @ x
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     seen = seen_speeds(abs(v[record.at]))
-    columns = np.column_stack([law.at(shape), body])
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = coefficients.get("offset", 0.0)
     y, carried = record.column(log.position), {"": offset}
@@ -347,11 +350,13 @@ def anchor(
         placed,
         (*seen, *speeds),
         carried,
-        float(y.mean()),
+        float(log.position[record.at].mean()),
+        swing=ways.swing(columns, residual),
+        late=late,
     )
     if (between := ripple_range(log, record.q)) is None:
         return at
-    residual, side = record.force - columns @ x, np.sign(record.column(v))
+    side = np.sign(record.column(v))
     of_level = tuple(ripple_waves(y, residual * side, *between, 1))
     return replace(at, waves=tuple(ripple_waves(y, residual, *between, 2)), level_waves=of_level)
 

@@ -1,0 +1,82 @@
+"""What lies between the measured force and the body, as a record tells it: a filter of the force, and an elastic coupling."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from stribeck.arrays import Array
+from stribeck.identify.core.forms import behind, coupling, filtered
+from stribeck.identify.data.filters import HIGHEST
+from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.record import Record, body_columns, kept_rows
+
+_TRIED = 25  # values of a frequency or a time, a seventh apart: as far as a lightly damped resonance reaches
+_BAND = 30.0  # largest over smallest of them
+_DAMPINGS = (0.03, 0.1, 0.3)  # of steel shafts, of belts, of rubber
+
+
+class Transmission:
+    """A record's rows behind the thinning filter, as a series in which a filter can run.
+
+    Args:
+        shape: of the law, at which its columns are taken.
+    """
+
+    def __init__(self, record: Record, curve: SteadyCurve, shape: Mapping[str, float]) -> None:
+        log = record.log
+        of_law, of_body = curve.columns(log.velocity, shape), body_columns(log, list(record.body))
+        columns = [*(of_law[n] for n in curve.names), *(of_body[n] for n in record.body)]
+        self.record, self.step = record, record.q * log.step
+        self.columns, self.acceleration = (
+            np.column_stack([*map(record.reduce, columns)]),
+            record.reduce(log.acceleration),
+        )
+        run = log.run[kept_rows(log, record.q)]
+        cuts = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(run)]
+        self.runs = [slice(a, b) for a, b in pairwise(cuts)]
+
+    def behind_filter(self, time: float) -> Array:
+        """The columns at the compared rows behind a filter of the force; 0 for none."""
+        columns = self.columns
+        if time:
+            columns = columns + behind(columns, self.runs, self.step, *filtered(time))
+        return np.asarray(columns[self.record.counted])
+
+    def force_filter(self) -> float:
+        """The time constant, s, of the filter of the force that explains most of the record; 0 if none does."""
+
+        def left(log_time: float) -> float:
+            a = self.behind_filter(float(np.exp(log_time)))
+            a = a / np.maximum(np.max(abs(a), axis=0), 1e-300)
+            b = a.T @ self.record.force
+            return -float(b @ np.linalg.lstsq(a.T @ a, b, rcond=1e-12)[0])
+
+        x, at_end = _least(left, self.step / 4, _BAND * self.step / 4)
+        return 0.0 if at_end else float(np.exp(x))
+
+    def swing(self, columns: Array, residual: Array) -> tuple[float, float]:
+        """The frequency, Hz, and the damping ratio of the coupling that explains most of what the columns leave."""
+        basis = np.linalg.qr(columns / np.maximum(np.max(abs(columns), axis=0), 1e-300))[0]
+
+        def left(log_hertz: float, damping: float) -> float:
+            of_filter = coupling(float(np.exp(log_hertz)), damping, self.step)
+            column = behind(self.acceleration, self.runs, self.step, *of_filter)[self.record.counted]
+            column = column - basis @ (basis.T @ column)
+            return -(float(column @ residual) ** 2) / max(float(column @ column), 1e-300)
+
+        high = min(HIGHEST / self.step, self.record.log.bandwidth or np.inf)
+        x, _ = _least(partial(left, damping=_DAMPINGS[1]), high / _BAND, high)
+        return float(np.exp(x)), min(_DAMPINGS, key=partial(left, x))
+
+
+def _least(cost: Callable[[float], float], low: float, high: float) -> tuple[float, bool]:
+    """The logarithm of the value between two at which a cost is least, and whether this is the lower one."""
+    grid = np.log(np.geomspace(low, high, _TRIED))
+    at = int(np.argmin([cost(x) for x in grid.tolist()]))
+    around = float(grid[max(at - 1, 0)]), float(grid[min(at + 1, _TRIED - 1)])
+    return float(minimize_scalar(cost, bounds=around, method="bounded").x), at == 0
