@@ -28,12 +28,8 @@ class WrongSign(BristleLaw):
         return v + abs(v) / g(p, v) * z
 
 
-class ReversedSpring(BristleLaw):
+class ReversedSpring(NegativeDamping):
     """The spring pushes the wrong way."""
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
 
     @staticmethod
     def friction(p, v, z, dz_dt):

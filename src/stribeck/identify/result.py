@@ -87,15 +87,17 @@ def with_units(
         unit = of[name].unit if name in of else "N"
         e = replace(e, unit=log.unit(unit))
         if not e.usable or e.state is EstimateState.AT_LEAST:
-            experiment = experiment_for(name, values, sizes, open_, rotary=log.rotary)
-            e = replace(e, why=e.why or _why(e.state), experiment=experiment)
+            experiment = "" if e.files_differ else experiment_for(name, values, sizes, open_, rotary=log.rotary)
+            e = replace(e, why=e.why or _why(e), experiment=experiment)
         out[name] = e
     return out
 
 
-def _why(state: EstimateState) -> str:
-    if state is EstimateState.NOT_IDENTIFIABLE:
-        return "its interval spans more than a factor of two"
+def _why(e: Estimate) -> str:
+    if e.files_differ:
+        return "the files differ"
+    if e.state is EstimateState.NOT_IDENTIFIABLE:
+        return "its interval is not narrow"
     return f"no sliding below {REACHED:g} v_s was recorded"
 
 

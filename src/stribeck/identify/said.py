@@ -126,7 +126,9 @@ def _overlay(key: str, title: str, shown: Sequence[Trace], words: tuple[str, str
 
 def of_log(fit: LogFit) -> Document:
     """A law fitted to a log."""
-    others = {c["name"]: c["relative_force_error"] for c in fit.candidates if not c["chosen"]}
+    memory = laws.find(fit.law_name).has_z  # fits by simulation compare all rows, static ones those in motion
+    alike = [c for c in fit.candidates if not c["chosen"] and laws.find(c["law"]).has_z is memory]
+    others = {c["name"]: c["relative_force_error"] for c in alike}
     notes, in_table = fit.notes, [e.advice(n) for n, e in fit.parameters.items()]
     if fit.method == "dynamic" and fit.status != "stopped":
         in_table = _open(fit.parameters)
@@ -182,7 +184,8 @@ def _candidates(fit: LogFit) -> list[Chapter]:
     text = ["The static law with the least BIC is reported. Forms are further terms, for effects that the law lacks."]
     if any(laws.find(c["law"]).has_z for c in fit.candidates if c["law"] in laws.builtin()):
         text.append(
-            "A law with bristles is fitted by simulation. It is reported if it halves the static law's residual in all rows."
+            "A law with bristles is fitted by simulation, to all rows. "
+            "It is reported if it halves the static law's residual there."
         )
     table = Table(["law", "forms", "relative residual", "parameters"], rows, prose=True)
     return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]

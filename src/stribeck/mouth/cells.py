@@ -76,8 +76,8 @@ def _in_places(x: float, size: float) -> str:
 
 
 def _half(value: float, interval: tuple[float, ...]) -> float:
-    """The half width of an interval about a value, on its shorter side; 0 where it has none."""
-    return min((abs(value - end) for end in interval if math.isfinite(end) and end != value), default=0.0)
+    """The half width of an interval about a value, on its shorter side; 0 where it has none but rounding."""
+    return min((abs(value - x) for x in interval if math.isfinite(x) and not math.isclose(x, value)), default=0.0)
 
 
 def _interval(cell: Ends) -> str:

@@ -311,15 +311,11 @@ class SteppedElastoplastic(BristleLaw):
         return v - clip((abs(z) - z_b) / (g(p, v) - z_b), 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
-class CosineElastoplastic(BristleLaw):
+class CosineElastoplastic(SteppedElastoplastic):
     """SteppedElastoplastic with a = (1 - cos(pi s))/2 of the ramp s, in [0, 1]: Lipschitz, bounded, passive,
     drift_free alike; |v|."""
 
     truth = "unique bounded -smooth passive drift_free"
-
-    @staticmethod
-    def z_elastic(p):
-        return 0.5 * p.F_c / p.sigma_0
 
     @staticmethod
     def dz_dt(p, v, z):

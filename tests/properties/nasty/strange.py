@@ -2,9 +2,10 @@
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import atan, clip, cos, exp, log, pi, sin
-from stribeck.laws import BristleLaw, Scales
+from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
 from tests.properties.nasty.base import friction, rate
+from tests.properties.nasty.constants import OwnConstants
 
 
 def plain(p, v, z, dz_dt):
@@ -83,32 +84,13 @@ class NegativeBound(_Strange):
         return -1.0 + 0 * p.F_s
 
 
-class OwnScales(_Strange):
-    """A law of torsion with constants of 1e-200 and 1e200: D = c v^2 + k |v| z^2/G >= 0: passive. Its f = v - |v| z/G: B0
-    with g = G."""
+class OwnScales(OwnConstants):
+    """The same of torsion, with constants of 1e-200 and 1e200."""
 
     truth = "unique bounded -smooth passive -drift_free"
-    uses = ()
-    relations = ()
     k = Constant("N m/rad", "stiffness", above=0, default=1e-200)
     G = Constant("rad", "deflection", above=0, default=1e200)
     c = Constant("N m s/rad", "viscosity", at_least=0, default=0.0)
-
-    @staticmethod
-    def z_bound(p):
-        return p.G
-
-    @staticmethod
-    def scales(p):
-        return Scales(p.G, 1.0, p.k * p.G)
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / p.G * z
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.k * z + p.c * v
 
     @staticmethod
     def stored_energy(p, z):

@@ -42,7 +42,8 @@ def judged(
     value = lib.parameters(model, x)
     slope = _slopes(choice, value)
     by_ratio = np.array([n in lib.by_ratio for n in value])
-    part: dict[str, Array] = {"C": covariance(choice, slope)}
+    within, between = covariance(choice, slope), of_other_files(choice, slope)
+    part: dict[str, Array] = {"C": np.maximum(within, between)}
     part["A"], part["B"], withheld = _redrawn(choice, value, by_ratio, draws)
     part["H"], hidden = _hidden(choice, slope)
     base = np.array(list(value.values()))
@@ -60,9 +61,11 @@ def judged(
         if state is EstimateState.IDENTIFIED and not trusted:
             state = EstimateState.MODEL_DEPENDENT
         cause = (withheld if part["B"][q] > part["H"][q] else hidden)[q] if hangs else ""
+        differ = bool(between[q] > within[q]) and state is EstimateState.NOT_IDENTIFIABLE
         estimates[name] = Estimate(
-            x_now, both_ends[0], both_ends[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
-        )
+            x_now, both_ends[0], both_ends[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()},
+            files_differ=differ,
+        )  # fmt: skip
     return lib.concluded(estimates)
 
 
@@ -87,8 +90,7 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     """C: the largest of several standard errors, times Student's t.
 
     They are the delete-a-block jackknife, Newey and West's error, and the posterior with a prior of one largest force. Known
-    errors of the measured inputs, and the cluster-robust error of several files (Liang and Zeger, Biometrika 73, 1986), are
-    two more if present.
+    errors of the measured inputs are one more if present.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
     i = lib.index(model)
@@ -103,13 +105,22 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     to_estimates = slope @ _inverse(gram, natural)
     known = sum((np.mean((d @ j @ to_estimates.T) ** 2, axis=0) for d in lib.drawn), np.zeros(len(slope)))
     both = np.max([blocks, newey_west(j, r, to_estimates), unseen, np.sqrt(known)], axis=0)
-    out = student.ppf(0.975, len(lib.gram) - 1) * both
+    return np.asarray(student.ppf(0.975, len(lib.gram) - 1) * both)
+
+
+def of_other_files(choice: Selection[Of], slope: Array) -> Array:
+    """C for another file, as the files differ; 0 with one file.
+
+    It is the cluster-robust error of Liang and Zeger (Biometrika 73, 1986). A jackknife would fail where one file alone shows
+    a number: without it, the others would give any value of it.
+    """
+    lib, i, x = choice.library, choice.library.index(choice.model), choice.coefficients
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
-    if (n := len(files)) > 1:  # the interval must cover another run
-        # No jackknife: without the file that alone shows a number, the others would give any value of it.
-        pulls = (files[:, i, 0] - files[np.ix_(range(n), i, i)] @ x[: len(i)]) @ to_estimates.T
-        out = np.maximum(out, student.ppf(0.975, n - 1) * np.sqrt(n / (n - 1) * np.sum(pulls**2, axis=0)))
-    return np.asarray(out)
+    n, to_estimates = len(files), slope @ _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
+    if n == 1:
+        return np.zeros(len(slope))
+    pulls = (files[:, i, 0] - files[np.ix_(range(n), i, i)] @ x[: len(i)]) @ to_estimates.T
+    return np.asarray(student.ppf(0.975, n - 1) * np.sqrt(n / (n - 1) * np.sum(pulls**2, axis=0)))
 
 
 def _jackknife(gram: Array, i: list[int], natural: Array, slope: Array) -> Array:

@@ -37,6 +37,7 @@ class Estimate:
         depends_on: for a model-dependent estimate, the form that widens the range.
         parts: half widths by cause: C covariance, A choice of forms, B forms excluded at random, H forms that this motion
             does not excite.
+        files_differ: whether it is not identifiable because the files differ.
         why, experiment: if it is not identifiable, the missing information and the motion that provides it.
     """
 
@@ -49,6 +50,7 @@ class Estimate:
     parts: Mapping[str, float] = field(default_factory=dict)
     why: str = ""
     experiment: str = ""
+    files_differ: bool = False
 
     @property
     def identifiable(self) -> bool:

@@ -301,7 +301,9 @@ def _notes(
             "parameter is identified."
         )
     out += [f"The column {n} was not used, as {why}: give {MEASURED[n]} with --set." for n, why in unused.items()]
-    if "mass" in estimates and estimates["mass"].value < 0:
+    if differ := [n for n, e in estimates.items() if e.files_differ]:
+        out.append(f"The files differ in {', '.join(differ)}: fit each file by itself, or give more files.")
+    if "mass" in estimates and estimates["mass"].interval[1] < 0:
         out.append(
             "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
         )

@@ -15,8 +15,11 @@ from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import Record, body_columns, kept_rows
 
-_TRIED = 25  # values of a frequency or a time, a seventh apart: as far as a lightly damped resonance reaches
-_BAND = 30.0  # largest over smallest of them
+_TRIED = (
+    25  # values of a frequency or a time: of a frequency a seventh apart, as far as a lightly damped resonance reaches
+)
+_BAND = 30.0  # largest over smallest frequency: slower swings are those of a spring
+_TIMES = 0.25, 25.0  # samples: a shorter time is a delay, a longer one leaves no friction to fit
 _DAMPINGS = (0.03, 0.1, 0.3)  # of steel shafts, of belts, of rubber
 
 
@@ -32,10 +35,8 @@ class Transmission:
         of_law, of_body = curve.columns(log.velocity, shape), body_columns(log, list(record.body))
         columns = [*(of_law[n] for n in curve.names), *(of_body[n] for n in record.body)]
         self.record, self.step = record, record.q * log.step
-        self.columns, self.acceleration = (
-            np.column_stack([*map(record.reduce, columns)]),
-            record.reduce(log.acceleration),
-        )
+        self.columns = np.column_stack([*map(record.reduce, columns)])
+        self.acceleration = record.reduce(log.acceleration)
         run = log.run[kept_rows(log, record.q)]
         cuts = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(run)]
         self.runs = [slice(a, b) for a, b in pairwise(cuts)]
@@ -56,7 +57,7 @@ class Transmission:
             b = a.T @ self.record.force
             return -float(b @ np.linalg.lstsq(a.T @ a, b, rcond=1e-12)[0])
 
-        x, at_end = _least(left, self.step / 4, _BAND * self.step / 4)
+        x, at_end = _least(left, *(n * self.step for n in _TIMES))
         return 0.0 if at_end else float(np.exp(x))
 
     def swing(self, columns: Array, residual: Array) -> tuple[float, float]:
