@@ -133,12 +133,14 @@ def of_log(fit: LogFit) -> Document:
     if fit.method == "dynamic" and fit.status != "stopped":
         in_table = _open(fit.parameters)
         notes = (*notes, *in_table)
+    of_data = fit.log.quality if fit.log else ()  # a page has them beside the data
+    notes, in_table = (*notes, *of_data), [*in_table, *of_data]
     return Document(
         fit.title,
         _beside(fit.lead, others),
         (),
         [
-            *_numbers(fit.parameters, _given(fit), fit.speeds, notes, in_table), *_relation(fit.relation), *_quality(fit),
+            *_numbers(fit.parameters, _given(fit), fit.speeds, notes, in_table), *_relation(fit.relation),
             _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit),
         ],
     )  # fmt: skip
@@ -153,13 +155,6 @@ def _given(fit: LogFit) -> list[list[Cell]]:
         for n, x in fit.values.items()
         if n in fit.given and n not in fit.parameters
     ]
-
-
-def _quality(fit: LogFit) -> list[Chapter]:
-    """The number of notes about the data, for the terminal."""
-    count = 0 if fit.log is None else len(fit.log.quality)
-    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page that --out writes"
-    return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
 
 
 def _model(fit: LogFit) -> Chapter:
