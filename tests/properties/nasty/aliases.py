@@ -1,9 +1,8 @@
 """The same functions in other spellings, and smooth functions that do not look it."""
 
 from stribeck.expressions.ops import both, clip, cos, either, exp, log, sign, sin, sqrt, where
-from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
-from tests.properties.nasty.base import added, rate
+from tests.properties.nasty.base import Root, added, rate
 
 
 @rate("unique bounded -smooth passive -drift_free")
@@ -30,14 +29,10 @@ def ByCases(p, v, z):
     return where(v >= 0, v - v * z / g(p, v), v + v * z / g(p, v))
 
 
-class _Root(BristleLaw):
+class _Root(Root):
     """A smooth law, passive with MILD (sqrt majorant of theory.md), to which aliases are added."""
 
     v_d = None
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - sqrt(v**2 + 1e-12) / g(p, v) * z
 
     @classmethod
     def friction(cls, p, v, z, dz_dt):

@@ -5,18 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from stribeck.expressions.ops import sqrt
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
 
 
-class WithForce(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
+class Lugre(BristleLaw):
+    """LuGre's dz/dt."""
 
     @staticmethod
     def dz_dt(p, v, z):
         return v - abs(v) / g(p, v) * z
+
+
+class Root(BristleLaw):
+    """The same with sqrt(v^2 + 1e-12) for |v|."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt(v**2 + 1e-12) / g(p, v) * z
+
+
+class WithForce(Lugre):
+    """LuGre with a force h added."""
+
+    v_d = None
 
     @staticmethod
     def h(p, v, z, dz_dt):

@@ -4,35 +4,29 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import both, clip, where
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import Lugre
 
 
-def lugre(p, v, z):
-    return v - abs(v) / g(p, v) * z
-
-
-class TinyDampingOnly(BristleLaw):
+class TinyDampingOnly(Lugre):
     """sigma_2 = 0, sigma_1 = 1e-12, F_s = 1.5 F_c: LuGre's condition fails: a pulse at large v (F v -> -0.5e-12
     v^2 + 1.5 v, v > 3e12 m/s) draws without limit: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
     values_changed = {"sigma_1": 1e-12, "sigma_2": 0.0}
-    dz_dt = staticmethod(lugre)
 
 
-class JustBelowLuGresCondition(BristleLaw):
+class JustBelowLuGresCondition(Lugre):
     """sigma_2 = 49.9999995 against sigma_1 (F_s - F_c)/F_c = 50: Barabanov & Ortega: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
     values_changed = {"sigma_2": 49.9999995}
-    dz_dt = staticmethod(lugre)
 
 
-class AtLuGresCondition(BristleLaw):
+class AtLuGresCondition(Lugre):
     """sigma_2 = 50 = sigma_1 (F_s - F_c)/F_c, exactly: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
     values_changed = {"sigma_2": 50.0}
-    dz_dt = staticmethod(lugre)
 
 
 class ElasticExceptWhenFast(BristleLaw):
@@ -70,15 +64,14 @@ class ElasticExceptInAWindow(BristleLaw):
         return v * where(both(z > 1e-8, z < 1.01e-8), 0.5, 1.0) - decay
 
 
-class Piezo(BristleLaw):
+class Piezo(Lugre):
     """Liu's piezo stage: sigma_1 (F_s - F_c) = 3000 <= sigma_2 F_c = 65000: LuGre's condition: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
     values_changed = {"sigma_0": 1.67e6, "sigma_1": 6e3, "sigma_2": 2.6e4, "F_c": 2.5, "F_s": 3.0, "v_s": 1.6e-8}
-    dz_dt = staticmethod(lugre)
 
 
-class Valve(BristleLaw):
+class Valve(Lugre):
     """A stiff valve: sigma_1 (F_s - F_c) = 6.6e7 > sigma_2 F_c = 4.7e7: LuGre's condition fails: not passive.
     B0."""
 
@@ -86,16 +79,14 @@ class Valve(BristleLaw):
     values_changed = {
         "sigma_0": 1.038e9, "sigma_1": 2.442e5, "sigma_2": 7.048e4, "F_c": 669.9, "F_s": 942.1, "v_s": 3.22e-3,
     }  # fmt: skip
-    dz_dt = staticmethod(lugre)
 
 
-class FallingDamping(BristleLaw):
+class FallingDamping(Lugre):
     """LuGre with v_d = 1e-3: sigma_1 v_d/sqrt(2 e) = 0.043 <= 4 F_c: passive for every sigma_2 (theory.md), here
     0. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
     values_changed = {"sigma_2": 0.0, "v_d": 1e-3}
-    dz_dt = staticmethod(lugre)
 
 
 class OwnConstants(BristleLaw):
