@@ -1,4 +1,4 @@
-# make setup | demo | docs | test | thorough | bench | fuzz | proofs | windows | floors | dist   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | docs | test | thorough | learning | bench | fuzz | proofs | windows | floors | dist   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 # bytecode is kept: each command of the tests would compile its libraries anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo docs test thorough bench fuzz proofs windows floors dist clean
+.PHONY: setup demo docs test thorough learning bench fuzz proofs windows floors dist clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -46,6 +46,14 @@ test: setup
 # the rest of the tests: whole families of cases of which 'make test' runs some
 thorough: setup
 	$(BIN)/python -m pytest -n auto --dist worksteal -m thorough
+
+# the exports to PyTorch, JAX, MuJoCo Warp and Newton, run by these (some GB in a place of their own)
+learning:
+	$(PYTHON) -m venv build/learning
+	build/learning/bin/python -m pip install --quiet --disable-pip-version-check -e '.[all]' pytest pytest-xdist hypothesis ruff \
+	    fmpy torch jax mujoco-warp newton
+	build/learning/bin/python -m pytest -n auto -m "" tests/exports/test_learning.py tests/exports/test_jax.py \
+	    tests/exports/test_loads.py tests/exports/test_tools_document.py
 
 bench: setup
 	-xargs -n1 $(BIN)/python -m pip install --quiet --disable-pip-version-check < benchmarks/requirements.txt
