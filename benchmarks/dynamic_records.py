@@ -26,7 +26,6 @@ Draw = np.random.Generator
 Constants = dict[str, float]
 Sampled = tuple[np.ndarray, np.ndarray, np.ndarray]  # times, what was read, what drove
 Record = Callable[[Draw, Constants, float, "Term"], Sampled]
-TWO_OVER_PI = 2 / math.pi
 
 
 def moved(rates: Callable[..., Any], t: np.ndarray, states: int) -> np.ndarray:
@@ -211,7 +210,7 @@ class Term:
 
 def smooth_sign(v: float) -> float:
     """The sign of the speed in the machines that lack a term."""
-    return TWO_OVER_PI * math.atan(50.0 * v)
+    return 2 / math.pi * math.atan(50.0 * v)
 
 
 def lacking(draw: Draw, what: str) -> Term:
@@ -232,7 +231,7 @@ def upright(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
     def rates(s: float, x: np.ndarray, begin: float) -> list[float]:
         y, v, i = x
         volts = u[-2] + (u[-1] - u[-2]) * (s - begin) / step
-        friction = level * TWO_OVER_PI * math.atan(200 * v) + viscous * v
+        friction = level * (2 / math.pi) * math.atan(200 * v) + viscous * v
         pull = MOTOR["K"] * i + gravity * math.sin(y) - friction
         return [v, pull / inertia, (volts - MOTOR["R"] * i - MOTOR["K"] * v) / MOTOR["L"]]
 

@@ -133,7 +133,7 @@ def of_log(fit: LogFit) -> Document:
     if fit.method == "dynamic" and fit.status != "stopped":
         in_table = _open(fit.parameters)
         notes = (*notes, *in_table)
-    of_data = fit.log.quality if fit.log else ()  # a page has them beside the data
+    of_data = fit.log.quality if fit.log else ()  # on a page they stand in the chapter on the data
     notes, in_table = (*notes, *of_data), [*in_table, *of_data]
     return Document(
         fit.title,

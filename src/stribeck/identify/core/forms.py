@@ -49,7 +49,7 @@ _WORDS = {  # by the first words of a form's name; {}: its number
     "level by load column": "friction that grows with the measured load",
     "level by pressure column": "friction that grows with the measured pressure",
 }  # fmt: skip
-# Where a form, or a term of the same effect, leaves the law's own friction.
+# Where a form, or a term, of friction is 0, so that the friction is that of the law.
 _LAW_AT = {
     "load": "inertial force 0", LOADED: "inertial force and weight 0", "level by position": "position {:.4g} {}",
     "level by time": "the middle of the record", "level by load column": "load 0", "F_c_by_load": "load 0",
@@ -173,7 +173,7 @@ def coupling(hertz: float, damping: float, step: float) -> tuple[list[float], li
     Args:
         hertz: the resonance of the mass on the coupling; ``damping``: its ratio.
     """
-    w = 2 / step * np.tan(np.pi * min(hertz * step, HIGHEST))  # moved as the bilinear transform moves it back
+    w = 2 / step * np.tan(np.pi * min(hertz * step, HIGHEST))  # prewarped for the bilinear transform
     return [2 * damping * w, w * w], [1.0, 2 * damping * w, w * w]
 
 

@@ -34,9 +34,7 @@ from stribeck.identify.work import Progress
 
 PLAIN = "coulomb_viscous"
 MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term of a measured column in the model
-FOUND = (
-    0.05  # of a column's variance that motion does not explain, and noise of this: its coefficient is then identifiable
-)
+FOUND = 0.05  # of a measured column's variance: the least that motion leaves, and of this the most that is noise
 WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
@@ -120,7 +118,8 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], dict[str, str]]:
 def _hidden(log: Log, column: str) -> str:
     """Why a measured column does not show its coefficient; empty if it does.
 
-    The motion must leave a share of its variance, of which noise, that would weaken the coefficient, is as small a share.
+    Motion must leave more than a share of the variance. Noise may be the same share of what is left, as it biases the
+    coefficient towards 0.
     """
     x = getattr(log, column) - float(np.mean(getattr(log, column)))
     changes, noise = float(x @ x), len(x) * typical_roughness([x[rows] for rows in log.runs()]) ** 2
@@ -130,11 +129,8 @@ def _hidden(log: Log, column: str) -> str:
     left = x - beside @ np.linalg.lstsq(beside, x, rcond=1e-10)[0]
     if noise >= FOUND * changes:
         return "it hardly changes"
-    return (
-        ""
-        if float(left @ left) > FOUND * changes and noise <= FOUND * float(left @ left)
-        else "it depends on the motion only"
-    )
+    remaining = float(left @ left)
+    return "" if remaining > FOUND * changes and noise <= FOUND * remaining else "it depends on the motion only"
 
 
 def check_motion(log: Log) -> None:

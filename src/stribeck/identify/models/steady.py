@@ -324,9 +324,9 @@ def _in_body(column: Array, body: Array) -> bool:
 def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speeds: Sequence[float]) -> Anchor:
     """The constants of the forms' columns from a fit of the law behind a filter of the force, and the ripples in its residual."""
     log, v, n = record.log, record.log.velocity, len(curve.names)
-    ways = Transmission(record, curve, shape)
-    late = ways.force_filter()
-    columns = ways.behind_filter(late)
+    transmission = Transmission(record, curve, shape)
+    late = transmission.force_filter()
+    columns = transmission.behind_filter(late)
     x = np.asarray(np.linalg.lstsq(columns, record.force, rcond=RANK)[0], float)
     residual = record.force - columns @ x
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
@@ -351,7 +351,7 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
         (*seen, *speeds),
         carried,
         float(log.position[record.at].mean()),
-        swing=ways.swing(columns, residual),
+        swing=transmission.swing(columns, residual),
         late=late,
     )
     if (between := ripple_range(log, record.q)) is None:
@@ -364,8 +364,8 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
 def refine(lib: SteadyLibrary, rows: float) -> None:
     """Add nodes at the optima of the best sets of forms and of the law alone, until the best model is at such a node.
 
-    The next best sets are tried there too. A set with a node at its optimum leaves the grid, whose nodes are as far from an
-    optimum as a slope may hold: reported from there, forms would compensate the grid's error.
+    The next best sets are tried at these nodes too. Once a set has a node at its optimum, its models on the grid are
+    dropped: there, forms would compensate the error of the slopes. A set whose optimum no law can have is dropped too.
     """
     if not lib.step:
         return

@@ -15,9 +15,7 @@ from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import Record, body_columns, kept_rows
 
-_TRIED = (
-    25  # values of a frequency or a time: of a frequency a seventh apart, as far as a lightly damped resonance reaches
-)
+_TRIED = 25  # frequencies, or times: frequencies a seventh apart, the width of a lightly damped resonance
 _BAND = 30.0  # largest over smallest frequency: slower swings are those of a spring
 _TIMES = 0.25, 25.0  # samples: a shorter time is a delay, a longer one leaves no friction to fit
 _DAMPINGS = (0.03, 0.1, 0.3)  # of steel shafts, of belts, of rubber
