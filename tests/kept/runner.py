@@ -84,7 +84,7 @@ class Case:
 
 
 def agree(kept, new, tolerance):
-    """Whether two lines have the same words, and numbers within a tolerance, or one unit of their last place."""
+    """Whether two lines have the same words, and numbers within a tolerance; of a solver, or one unit of their last place."""
     if kept == new:
         return True
     pairs = _numbers(kept, new)
@@ -113,7 +113,7 @@ def near(a, b, tolerance):
     if not ("." in a + b or "e" in a + b):  # counts of a solver's work, and rounded numbers
         return tolerance >= COARSE and abs(int(a) - int(b)) <= 0.02 * abs(int(a))
     x, y, place = (*(float(n.replace("\N{MINUS SIGN}", "-")) for n in (a, b)), max(map(_place, (a, b))))
-    return abs(x - y) <= tolerance * max(abs(x), abs(y)) + 1.01 * place
+    return abs(x - y) <= tolerance * max(abs(x), abs(y)) + 1.01 * place * (tolerance > EXACT)
 
 
 def _place(number):
