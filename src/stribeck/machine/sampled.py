@@ -39,7 +39,5 @@ def turned(u: Value, extreme: Value, way: Value, count: Value, swing: Value) -> 
     Returns the last extreme, the direction since (0: none yet) and the count.
     """
     far, on = abs(u - extreme) > swing, (u - extreme) * way > 0
-    new = where(u > extreme, 1.0, -1.0)
-    begins, back = both(way * way <= 0, far), both(both(way * way > 0, far), (u - extreme) * way <= 0)
-    moves = either(either(on, begins), back)
-    return where(moves, u, extreme), where(moves, new, way), count + where(back, 1.0, 0.0)
+    new, moves = where(u > extreme, 1.0, -1.0), either(on, far)
+    return where(moves, u, extreme), where(moves, new, way), count + where(both(far, (u - extreme) * way < 0), 1.0, 0.0)

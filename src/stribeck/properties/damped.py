@@ -81,7 +81,7 @@ def method(certificate: Certificate) -> str:
 
 def suffices(law: Law | None) -> bool:
     """Whether the condition holds for a law with v_d, such as the law of the worst level."""
-    if law is None or any(law.values.get(n) is None for n in _NEEDED):
+    if law is None:
         return False
     sigma_1, v_d, *newtons = (Fraction(law.p.numbers[n]) for n in ("sigma_1", "v_d", "F_c", "F_s"))
     return small_enough(sigma_1, v_d, excess(law), min(newtons))

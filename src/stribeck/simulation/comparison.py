@@ -77,14 +77,13 @@ def deviations(reference: Solution, other: Solution) -> dict[str, dict[str, floa
     return deviation
 
 
-def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], None] | None = None) -> Comparison:
+def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], None]) -> Comparison:
     """Simulate each variant of a scenario; deviations are from the first."""
     solutions: dict[str, Solution] = {}
     for i, (label, scenario) in enumerate(variants.items()):
 
         def tell(share: float, done: int = i) -> None:
-            if progress is not None:
-                progress((done + share) / len(variants))
+            progress((done + share) / len(variants))
 
         solutions[label] = simulate(scenario, progress=tell)
     labels = list(solutions)

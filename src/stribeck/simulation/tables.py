@@ -78,11 +78,5 @@ def write_csv(path: Path, columns: dict[str, object]) -> None:
             table = pyarrow.Table.from_arrays(arrays, names=list(columns))
             csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="needed"))
         else:
-            cells = [list(map(_cell, np.asarray(values).tolist())) for values in columns.values()]
-            file.writelines((",".join(row) + "\n").encode() for row in zip(*cells, strict=True))
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, str):
-        return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n') else value
-    return "nan" if value != value else repr(value)
+            rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
+            file.writelines((",".join(map(repr, row)) + "\n").encode() for row in rows)

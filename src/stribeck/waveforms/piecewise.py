@@ -42,7 +42,6 @@ class Segments:
 
     def at(self, t: ArrayLike) -> Array:
         """The signal at the times t, from the right where it jumps."""
-        t = np.asarray(t, float)
         i = np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
         p = Segment(self.start[i], self.value[i], self.slope[i])
         return np.asarray(Segment.equation(p, t))
