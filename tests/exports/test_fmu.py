@@ -1,7 +1,6 @@
 """FMUs, validated and run by FMPy, against the simulation."""
 
 import ctypes
-import importlib.util
 import subprocess
 import zipfile
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.errors import StribeckNote
+from stribeck.errors import BuildError, StribeckNote
 from tests.exports.harness import law, need
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
@@ -329,10 +328,8 @@ def test_an_instance_of_another_token_is_refused_to_hosts_that_hear_it_and_to_ot
     words = {"guid": "", "unzipDirectory": fmpy.extract(path), "modelIdentifier": identifier}
     if fmi == 2:
         host, log = fmi2.FMU2Slave(**words), fmi2.fmi2CallbackLoggerTYPE(lambda *message: said.append(message[-1]))
-        called = [
-            None,
-            *(ctypes.byref(fmi2.fmi2CallbackFunctions(logger=x)) for x in (fmi2.fmi2CallbackLoggerTYPE(), log)),
-        ]
+        loggers = fmi2.fmi2CallbackLoggerTYPE(), log
+        called = [None, *(ctypes.byref(fmi2.fmi2CallbackFunctions(logger=x)) for x in loggers)]
         results = [host.fmi2Instantiate(b"one", fmi2.fmi2CoSimulation, b"another", b"", x, 0, 0) for x in called]
     else:
         host, log = fmi3.FMU3Slave(**words), fmi3.fmi3LogMessageCallback(lambda *message: said.append(message[-1]))
@@ -465,12 +462,13 @@ def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):
     assert bytes(tmp_path) not in library
     first = path.read_bytes()
     assert stribeck.export(law("dahl"), "fmu", path)[0].read_bytes() == first
+    monkeypatch.setenv("STRIBECK_CC", "gcc -no-such-option")
+    with pytest.raises(BuildError, match="gcc failed: gcc: error: "):
+        stribeck.export(law("dahl"), "fmu", path)
 
 
 def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
-    monkeypatch.setenv("STRIBECK_CC", "none")
-    result = importlib.util.find_spec
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "ziglang" else result(name))
+    monkeypatch.setattr("stribeck.simulation.compiler.find", lambda: None)
     with pytest.warns(StribeckNote, match="sources only"):
         (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
     with zipfile.ZipFile(path) as archive:

@@ -21,7 +21,7 @@ NOISE = 0.1 * np.random.default_rng(0).standard_normal(len(T))
 def built(**kinds):
     """A recording of a position with one input."""
     return Recording(
-        "run", T, {"a.y": Channel("y", T, T**2)}, {"loads.f.signal": Channel("f", T, FORCE + NOISE, **kinds)}
+        "run", T, {"a.y": Channel("y", T, T**2)}, {"loads.f.signal": Channel("f", T - 1e-9, FORCE + NOISE, **kinds)}
     )
 
 
@@ -35,11 +35,11 @@ def test_a_coarse_input_follows_the_signal_and_not_its_noise(kinds):
     assert abs(np.mean(off * np.sin(2 * np.pi * 3.0 * middle[2:-2]))) < 0.003
 
 
-def test_outputs_keep_every_so_many_samples():
-    coarse = coarser(built(), 4)
-    np.testing.assert_array_equal(coarse.outputs["a.y"].t, T[::4])
+def test_outputs_keep_every_so_many_samples_and_a_held_input_their_means():
+    coarse = coarser(built(held=True), 4)
+    np.testing.assert_array_equal([coarse.t, coarse.outputs["a.y"].t], [T[::4]] * 2)
     np.testing.assert_array_equal(coarse.outputs["a.y"].x, T[::4] ** 2)
-    np.testing.assert_array_equal(coarse.t, T[::4])
+    np.testing.assert_allclose(coarse.inputs["loads.f.signal"].x[:-1], (FORCE + NOISE)[:-1].reshape(-1, 4).mean(1))
 
 
 def test_uneven_and_short_recordings_stay_as_they_are():
