@@ -196,15 +196,16 @@ def test_wrong_parameters(key, value, said, slave):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_tolerance_below_rounding(fmi, folder):
-    """It is no reason to go on for ever: 1e-15 is taken as the finest that rounding allows."""
+    """It is no reason to go on for ever: 1e-15 is taken as the finest that rounding allows, and 0 as none given."""
     name, path = "lugre_majorant", fmu("lugre_majorant", "body", fmi, folder)
     inputs = np.array([(0.0, 3.0), (1.0, 3.0)], dtype=[("time", float), ("u", float)])
-    ways = {"stop_time": 0.02, "fmi_type": "CoSimulation", "output_interval": 0.01, "input": inputs, "output": ["y"]}
-    fine, finest = (fmpy.simulate_fmu(path, relative_tolerance=x, timeout=60, **ways)["y"] for x in (1e-9, 1e-15))
+    ways = {"stop_time": 0.02, "fmi_type": "CoSimulation", "output_interval": 0.01, "input": inputs, "timeout": 60}
+    none, fine, finest = (fmpy.simulate_fmu(path, relative_tolerance=x, **ways)["y"] for x in (0.0, 1e-9, 1e-15))
     force = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
     y = stribeck.simulate(rig(name, force, t_end=0.02))["y"]
     assert finest == pytest.approx(y, rel=1e-7)
     assert finest == pytest.approx(fine, rel=1e-6)
+    assert not np.array_equal(none, finest)
 
 
 def test_steps_without_end_are_given_up(slave):

@@ -38,6 +38,7 @@ def test_torch(name):
         assert np.allclose(x.grad, wanted, rtol=1e-8, atol=1e-10 * np.max(abs(wanted)))
     for n, x in constants.items():  # one constant for all worlds: its gradient is their sum
         assert float(x.grad) == pytest.approx(np.sum(each[n]), rel=1e-8, abs=1e-10 * np.sum(abs(each[n])))
+    assert to_torch(step.law).step(*(x.detach() for x in inputs[:-1]), inputs[-1])[1].requires_grad
     with pytest.raises(stribeck.InputError, match="no such constant"):
         to_torch(step.law).step(*inputs, Fs=1.0)
 
