@@ -29,7 +29,7 @@ def along(monkeypatch, verdict, low=100.0, high=800.0, tell=None):
 def test_a_plain_change_is_a_boundary(monkeypatch):
     told = []
     solution = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting", tell=told.append)
-    assert (told[0], told) == (0.1, sorted(told))
+    assert (told[0], told) == (0.0, sorted(told))
     (named,) = solution.boundaries
     assert named.low <= 333.3 <= named.high
     assert named.value == pytest.approx(333.3, rel=1e-3)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -17,13 +18,13 @@ from stribeck.errors import InputError, arg
 from stribeck.loops.judge import Judgment, judge
 from stribeck.loops.loop import Loop, time_constant
 
-POINTS = 25  # of the first scan: over a decade, steps of 10 %
+POINTS = 25  # of the first scan, which shows what a point costs: over a decade, steps of 10 %
 RESOLUTION = 0.03  # of a value, the finest step of the scan: nobody sets a gain closer; MOST_STEPS may not allow it
 MOST_STEPS = 40_000_000  # of all lanes of one path: 10 to 30 s of processor time
 # Into which a step of the scan is divided where the verdict changes: more lanes at once, but fewer rounds than 2.
 _PARTS = 5
 _PRECISE = 0.002  # of its value: how closely a boundary is enclosed, a fifteenth of RESOLUTION
-_ROUNDS = 6  # of dividing: a first step of a tenth of the range needs 3; the others are for changes found on the way
+_ROUNDS = 6  # of dividing: a first step of a tenth of the range, at most, needs 3; the others are for changes found on the way
 # Of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
 _TURNS = 0.7
 _SURE = 0.05  # of its value: the verdict must hold so far on either side of a boundary, more than one RESOLUTION
@@ -131,11 +132,11 @@ class PathVerdicts:
 def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:
     """The verdict over a range of one number."""
     scan = _Scan(loop, turned)
-    scan.judge_at(turned.points(POINTS))
-    scan.divide(tell, 0.1)
-    scan.fill()
-    scan.divide(tell, 0.5)
-    scan.beside()
+    first = partial(scan.judge_at, turned.points(POINTS))
+    for share, work in ((0.0, first), (0.2, scan.fill), (0.6, scan.divide), (0.9, scan.beside)):
+        if tell is not None:
+            tell(share)
+        work()
     values = np.array(sorted(scan.seen))
     judgments = [scan.seen[x] for x in values.tolist()]
     return PathVerdicts(turned, values, judgments, *_classify(turned, scan.seen), scan.resolution())
@@ -164,29 +165,10 @@ class _Scan:
             judgments = judge(self.loop, {self.turned.path: new}, slowest=slowest)
             self.seen.update(zip(new.tolist(), judgments, strict=True))
 
-    def divide(self, tell: Callable[[float], None] | None, begun: float) -> None:
-        """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly.
-
-        ``begun`` is the share of the work done before; this is two fifths of it."""
-        for i in range(_ROUNDS):
-            if tell is not None:
-                tell(begun + 0.4 * i / _ROUNDS)
-            changes = _changes(self.seen)
-            unresolved = (
-                [(a, b) for a, b in changes if b - a > _PRECISE * max(abs(a), abs(b))] if len(changes) <= _MOST else []
-            )
-            quick = [(a, b) for a, b in self._steps() if self._share(a, b) > RESOLUTION / 2 and self._turns(a, b)]
-            if not (unresolved or quick) or self.steps_left < 0:
-                return
-            new = [self.turned.between(a, b, _PARTS) for a, b in unresolved]
-            self.judge_at(
-                np.concatenate(new + [self.turned.between(a, b, 2) for a, b in quick if (a, b) not in unresolved])
-            )
-
     def fill(self) -> None:
         """Divide the widest steps until all are as fine as :data:`RESOLUTION`, or as the remaining solver steps allow."""
         steps_a_point = max(float(np.mean([j.steps for j in self.seen.values()])), 1.0)
-        points_left = max(int(0.6 * self.steps_left / steps_a_point), 0)  # the rest is for changes found here
+        points_left = max(int(0.6 * self.steps_left / steps_a_point), 0)  # the rest is for changes found
         resolution = RESOLUTION
         while True:
             new = [
@@ -198,6 +180,21 @@ class _Scan:
             resolution *= 1.25
         if new and resolution <= 1:
             self.judge_at(np.concatenate(new))
+
+    def divide(self) -> None:
+        """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly."""
+        for _ in range(_ROUNDS):
+            changes = _changes(self.seen)
+            unresolved = (
+                [(a, b) for a, b in changes if b - a > _PRECISE * max(abs(a), abs(b))] if len(changes) <= _MOST else []
+            )
+            quick = [(a, b) for a, b in self._steps() if self._share(a, b) > RESOLUTION / 2 and self._turns(a, b)]
+            if not (unresolved or quick) or self.steps_left < 0:
+                return
+            new = [self.turned.between(a, b, _PARTS) for a, b in unresolved]
+            self.judge_at(
+                np.concatenate(new + [self.turned.between(a, b, 2) for a, b in quick if (a, b) not in unresolved])
+            )
 
     def beside(self) -> None:
         """Judge both sides of each change, as far as a boundary's verdicts must hold; again if that finds changes."""

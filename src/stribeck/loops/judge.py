@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.loops.loop import MOST_STEPS, Loop, resolution_of, simulate_lanes
@@ -95,8 +95,8 @@ def judge(
 ) -> list[Judgment]:
     """The judgment of each lane of ``values`` (as for :func:`stribeck.simulate`); of the file if there are none.
 
-    A lane is simulated until its signals rest and then for :data:`SHORTEST` of the slowest time constants; the second half
-    of these is judged. Unless it shows a steady state (rest with constant friction, a cycle of constant size), the lane is
+    A lane is simulated until its signals rest and then for at least :data:`SHORTEST` of the slowest time constants; the second
+    half of these is judged. Unless it shows a steady state (rest with constant friction, a cycle of constant size), the lane is
     simulated twice as long, and so on. While an integral winds up, it is simulated until friction may have broken away.
 
     Args:
@@ -108,9 +108,8 @@ def judge(
     count = max((len(x) for x in given.values()), default=1)
     tau = np.full(count, loop.slowest) if slowest is None else np.asarray(slowest, float)
     judging = _Judging(loop, given, tau, swings(loop, given, count), most_steps)
-    pending = np.arange(count)
-    while len(pending):
-        pending = judging.further(pending)
+    while judging.open.any():
+        judging.further()
         if tell is not None:
             tell(judging.share_done())
     return [each for each in judging.judgments if each is not None]
@@ -124,29 +123,32 @@ class _Judging:
     ) -> None:
         self.loop, self.values, self.tau, self.swing, self.most_steps = loop, values, tau, swing, most_steps
         self.judgments: list[Judgment | None] = [None] * len(tau)
-        # at least a quarter of the time until the signals rest, which would otherwise take most of the rows
-        self.length = np.maximum(SHORTEST * tau, loop.rest / 4)
+        # The length of each lane's next run is 2**octave s: at least a quarter of the time until the signals rest, which would
+        # otherwise take most of the rows.
+        self.octave = np.ceil(np.log2(np.maximum(SHORTEST * tau, loop.rest / 4)))
         self.open = np.ones(len(tau), bool)
         self.steps = np.zeros(len(tau), np.int64)
 
     def share_done(self) -> float:
         """The completed share; an open lane counts by the number of its doublings."""
-        doublings = np.log2(np.maximum(self.length / (SHORTEST * self.tau), 1.0)) / np.log2(LONGEST / SHORTEST)
+        doublings = np.maximum(self.octave - np.log2(SHORTEST * self.tau), 0.0) / np.log2(LONGEST / SHORTEST)
         return float(np.where(self.open, np.minimum(doublings, 0.95), 1.0).mean())
 
-    def further(self, pending: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Simulate these lanes to their present lengths and judge them; the lanes that need a longer run."""
-        octave = np.ceil(2 * np.log2(self.length[pending])).astype(int)  # lanes of about one length go together
-        for each in np.unique(octave):
-            group = pending[octave == each]
-            length = float(2.0 ** (each / 2))  # independent of the other lanes
-            values = {p: x if len(x) == 1 else x[group] for p, x in self.values.items()}
-            step = length / 2 / _ROWS  # rows in the second half, which is judged
-            end = float(np.ceil((self.loop.rest + length) / step) * step)
-            lanes = simulate_lanes(self.loop.lean, values, end, step, len(group))
-            for lane, place in enumerate(group):
-                self._judge(int(place), lanes, lane, length)
-        return pending[self.open[pending]]
+    def further(self) -> None:
+        """Simulate the open lanes of the shortest length and judge them.
+
+        Lanes of about one length go together, also those whose shorter runs did not decide: a full vector of lanes takes
+        hardly longer than one lane.
+        """
+        octave = self.octave[self.open].min()
+        group = np.flatnonzero(self.open & (self.octave == octave))
+        length = float(2.0**octave)
+        values = {p: x if len(x) == 1 else x[group] for p, x in self.values.items()}
+        step = length / 2 / _ROWS  # rows in the second half, which is judged
+        end = float(np.ceil((self.loop.rest + length) / step) * step)
+        lanes = simulate_lanes(self.loop.lean, values, end, step, len(group))
+        for lane, place in enumerate(group):
+            self._judge(int(place), lanes, lane, length)
 
     def _judge(self, place: int, lanes: Ensemble, lane: int, length: float) -> None:
         steps, tau = int(lanes.accepted[lane] + lanes.rejected[lane]), float(self.tau[place])
@@ -160,7 +162,7 @@ class _Judging:
         if record.waits and wanted > longer:  # break-away is later than the longest run
             wanted = 2 * length if 2 * steps < _WAITS else 0.0
         self.open[place] = wanted > length and not last
-        self.length[place] = min(max(wanted, 2 * length), longer)
+        self.octave[place] = min(np.ceil(np.log2(max(wanted, 2 * length))), np.rint(np.log2(longer)))
 
 
 class _LaneRecord:
