@@ -67,5 +67,5 @@ def test_the_loop_of_a_pid_controller_is_judged():
 
 
 def test_design_knows_the_paths_of_the_file():
-    with pytest.raises(InputError, match=r"controllers\.controller\.K_q"):
+    with pytest.raises(InputError, match=r"^vary: drive\.K_q: .*'drive\.K_"):
         design(PID, vary=["drive.K_q=1:2"])

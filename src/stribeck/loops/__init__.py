@@ -139,10 +139,9 @@ def design(
         return design_servo(scenario, cascade, v_max, tell)
     if v_max is not None:
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
-    vary = [scenario.path_in_machine(x) for x in vary]
     loop = loop_of(scenario)
     known = [c.name for c in loop.scenario.system.controllers]
-    name, ranges = which_controller(controller or known[0], known), _ranges(loop, vary)
+    name, ranges = which_controller(controller or known[0], known), _ranges(scenario, loop, vary)
     samples = friction_samples(friction_intervals(loop.scenario, uncertainty))
 
     def part(text: str) -> Callable[[float], None]:
@@ -152,7 +151,7 @@ def design(
     starts = from_starts(loop, name, part("other starts"))
     part("tracking errors")(0.0)
     tracked = errors(loop, name)
-    lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
+    lines = [boundary.line(loop, x, part(f"boundaries of {x.path}"), scenario.path_in_machine(x.path)) for x in ranges]
     compensations, over, why_not = list[compensation.CompensationResult](), None, ""
     if compensate:
         try:
@@ -162,13 +161,12 @@ def design(
     return Design(loop, name, judgment, tracked, lines, compensations, why_not, over, starts, moves_of(loop, name))
 
 
-def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
-    known = list(loop.scenario.places)
-
+def _ranges(scenario: Scenario, loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
     def read(text: str) -> tuple[str, boundary.Turned]:
         turned = boundary.Turned.parse(text)
-        if turned.path not in known:
-            raise InputError(f"{arg('vary')}: {turned.path}: no number of the machine{nearest(turned.path, known)}")
+        if scenario.path_in_machine(turned.path) not in loop.scenario.places:
+            known = nearest(turned.path, scenario.places)
+            raise InputError(f"{arg('vary')}: {turned.path}: no number of the machine{known}")
         return turned.path, turned
 
     return list(read_pairs(read, vary, arg("vary")).values())

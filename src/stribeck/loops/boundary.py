@@ -37,7 +37,7 @@ _DECADE = 10.0  # high/low from which a range is divided by ratios: equal steps 
 
 @dataclass(frozen=True)
 class Turned:
-    """A path of the machine and the range in which its value is varied."""
+    """A path of the machine's file and the range in which its value is varied."""
 
     path: str
     low: float
@@ -129,9 +129,11 @@ class PathVerdicts:
     resolution: float
 
 
-def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:
-    """The verdict over a range of one number."""
-    scan = _Scan(loop, turned)
+def line(
+    loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None, path: str | None = None
+) -> PathVerdicts:
+    """The verdict over a range of one number; ``path`` is that in the loop's machine if a file of schema 1 has another."""
+    scan = _Scan(loop, turned, path or turned.path)
     first = partial(scan.judge_at, turned.points(POINTS))
     for share, work in ((0.0, first), (0.2, scan.fill), (0.6, scan.divide), (0.9, scan.beside)):
         if tell is not None:
@@ -145,11 +147,11 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
 class _Scan:
     """Points of a path with their judgments."""
 
-    def __init__(self, loop: Loop, turned: Turned) -> None:
-        self.loop, self.turned = loop, turned
+    def __init__(self, loop: Loop, turned: Turned, path: str) -> None:
+        self.loop, self.turned, self.path = loop, turned, path
         self.seen: dict[float, Judgment] = {}
         self.known = turned.points(_CONSTANTS)
-        ends = [loop.scenario.with_changes({turned.path: float(x)}) for x in self.known]
+        ends = [loop.scenario.with_changes({path: float(x)}) for x in self.known]
         self.constants = np.array([time_constant(end) for end in ends])
 
     @property
@@ -162,7 +164,7 @@ class _Scan:
         new = np.array([x for x in np.unique(values) if x not in self.seen])
         if len(new):
             slowest = np.exp(np.interp(new, self.known, np.log(self.constants)))
-            judgments = judge(self.loop, {self.turned.path: new}, slowest=slowest)
+            judgments = judge(self.loop, {self.path: new}, slowest=slowest)
             self.seen.update(zip(new.tolist(), judgments, strict=True))
 
     def fill(self) -> None:
