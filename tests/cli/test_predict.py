@@ -64,7 +64,7 @@ def test_a_record_at_rest_is_refused_in_a_line(stribeck, fitted, tmp_path):
     (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},0.0,{i % 7}\n" for i in range(400)))
     process = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
     assert (process.status, process.out) == (2, "")
-    assert process.err.endswith("the body rests throughout: there is nothing to predict\n")
+    assert process.err.endswith("a static law does not tell the force there\n")
 
 
 def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, tmp_path):

@@ -30,11 +30,12 @@ class Predicted(Told):
     """A prediction of the force of a record.
 
     Attributes:
-        force_error: norm(residual)/norm(force) over the compared rows: the rows in motion, for a law with bristles all rows.
+        force_error: norm(residual)/norm(force) over the compared rows: for a static law the rows that slide, no slower than
+            the fit has seen; for a law with bristles all rows.
         friction_error: the same over norm(friction), which is the force less the terms that are not friction.
         all_rows_error: as the first, over all rows.
         constant_error: as the first, for a prediction by the mean force: a model must leave less to be of use.
-        rest: the share of the rows at rest.
+        slow: the share of the rows that are not compared: at rest, or slower than the fit has seen.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
         force, friction: measured and predicted, against time.
         title: the record; ``fitted``: whether the fit was made from this very record.
@@ -45,7 +46,7 @@ class Predicted(Told):
     friction_error: float
     all_rows_error: float
     constant_error: float
-    rest: float
+    slow: float
     beyond: Beyond | None
     force: Trace
     friction: Trace
@@ -63,7 +64,7 @@ class Predicted(Told):
         return {
             "law": self.model.law_name, "method": self.model.method, "relative_force_error": self.force_error,
             "friction_error": self.friction_error, "all_rows_error": self.all_rows_error,
-            "constant_error": self.constant_error, "expected_error": self.model.expected, "rest": self.rest,
+            "constant_error": self.constant_error, "expected_error": self.model.expected, "slow": self.slow,
             "fit": self.model.known, "beyond": self.beyond.to_dict() if self.beyond else None,
         }  # fmt: skip
 
@@ -154,22 +155,25 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
         StribeckError: the simulation fails.
     """
     terms.check(fit.terms, log)
-    rest, simulated = at_rest(log), fit.predictor is None
-    if rest.all() and not simulated:
-        raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
+    rows, unit = np.ones(len(log), bool), log.unit("N")
+    if fit.slowest is not None:
+        rows = ~at_rest(log) & (abs(log.velocity) >= fit.slowest)
+        if not rows.any():
+            raise InputError(
+                f"{arg('data')}: the body is nowhere as fast as {fit.slowest:.3g} {log.unit('m/s')}, the slowest sliding that "
+                "was fitted: a static law does not tell the force there"
+            )
     if fit.predictor is None:
         deflections = initial_deflections(fit.law_name, fit.values, log)
         modeled_friction, not_friction = parts(fit.law_name, fit.values, log, deflections)
     else:
         modeled_friction, not_friction = fit.predictor.parts(log)
     force = modeled_friction + not_friction
-    rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
-    unit = log.unit("N")
     residual, measured = log.force - force, log.force[rows]
     return Predicted(
         fit, size_ratio(residual[rows], measured), size_ratio(residual[rows], left[rows]), size_ratio(residual, log.force),
-        size_ratio(measured - float(np.mean(measured)), measured), float(np.mean(rest)),
+        size_ratio(measured - float(np.mean(measured)), measured), float(np.mean(~rows)),
         beyond(fit.seen, fit.hangs_on, log, rows, residual) if fit.seen else None,
         Trace("force", unit, log.time, log.force, force), Trace("friction", unit, log.time, left, modeled_friction),
         title, log.hash == fit.data_hash,

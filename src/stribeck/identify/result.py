@@ -260,7 +260,7 @@ class LogFit(Fit):
 
     @property
     def cross_validated_error(self) -> float | None:
-        """The relative residual over held-out blocks; None if there is no predictor."""
+        """The relative residual over held-out blocks, of rows that slide; None if there is no predictor."""
         return self.predictor.error if self.predictor else None
 
     @property
@@ -281,7 +281,9 @@ class LogFit(Fit):
     @property
     def lead(self) -> str:
         """The law, and what it leaves."""
-        text = f"{self.law_name}, relative residual {percent(self.relative_force_error)}"
+        held_out = "" if self.cross_validated_error is None else f"{percent(self.cross_validated_error)} held out, "
+        fitted = percent(self.relative_force_error) + (" fitted" if held_out else "")
+        text = f"{self.law_name}, relative residual {held_out}{fitted}"
         if self.output is not None:
             text += f" of the force and {percent(self.output_error)} of the {self.output.column}"
         return text if self.status == "done" else f"{self.status}: {text}"
@@ -306,6 +308,11 @@ class LogFit(Fit):
     def expected(self) -> float | None:
         """The error that another record of the machine is expected to have, inside the ranges that were seen."""
         return EXPECTED * self.predictor.error if self.predictor else None
+
+    @property
+    def slowest(self) -> float | None:
+        """The slowest sliding that a static fit has seen, m/s or rad/s; below it the curve does not tell the force."""
+        return next(iter(self.speeds.values()), None) if self.predictor else None
 
     @property
     def known(self) -> dict[str, float | None]:

@@ -180,7 +180,7 @@ def _candidates(fit: LogFit) -> list[Chapter]:
     if any(laws.find(c["law"]).has_z for c in fit.candidates if c["law"] in laws.builtin()):
         text.append(
             "A law with bristles is fitted by simulation, to all rows. "
-            "It is reported if it halves the static law's residual there."
+            "It is reported if it halves the static law's residual there, and identifies as many numbers."
         )
     table = Table(["law", "forms", "relative residual", "parameters"], rows, prose=True)
     return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]
@@ -278,7 +278,13 @@ def of_prediction(prediction: Predicted) -> Document:
     """The force that a fit predicts of a record."""
     model = prediction.model
     rows: list[list[Cell]] = [[record, of, Share(x)] for record, of, x in _residuals(prediction)]
-    about = f"{len(prediction.force.t)} rows, {100 * prediction.rest:.0f} % of them at rest; fitted to {model.title}"
+    slow = ""
+    if model.slowest is not None:
+        slowest = human(model.slowest, _SPEED_UNITS[prediction.force.unit])
+        slow = (
+            f", {100 * prediction.slow:.0f} % of them at rest or below {slowest}, the slowest sliding that was fitted"
+        )
+    about = f"{len(prediction.force.t)} rows{slow}; fitted to {model.title}"
     in_fit = model.relative_force_error if model.predictor is None else model.cross_validated_error
     others = (
         [f"{percent(in_fit)} {'in' if model.predictor is None else 'held out in'} the fit"]
@@ -302,7 +308,7 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
     """The relative residuals of the record and of the fit's: the record, what is compared, and the residual."""
     model, beyond = prediction.model, prediction.beyond
     simulated = model.predictor is None
-    compared = "all rows" if simulated else "rows in motion"
+    compared = "all rows" if simulated else "rows that slide"
     here, there = "this one", "of the fit"
     rows: list[tuple[str, str, float | None]] = [(here, f"force, {compared}", prediction.force_error)]
     if not simulated:
@@ -318,9 +324,9 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
         rows.append((there, "force, all rows", model.known["relative_force_error"]))
     else:
         rows += [
-            (there, "force, rows in motion, held out", model.known["cross_validated_error"]),
+            (there, "force, rows that slide, held out", model.known["cross_validated_error"]),
             (there, "force, filtered rows that were fitted", model.known["relative_force_error"]),
-            ("another one", "force, rows in motion, expected", model.expected),
+            ("another one", "force, rows that slide, expected", model.expected),
         ]
     return [(record, of, x) for record, of, x in rows if x is not None]
 

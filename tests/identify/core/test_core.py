@@ -198,7 +198,7 @@ def test_the_law_alone_has_no_forms():
 def test_a_very_long_record_is_predicted_from_stretches_of_it(plain):
     log, other = record(), record(14, noise=0.0)
     stretches = shortened(log, len(log) // 3)
-    whole, part = predictor(plain, log), predictor(choice_of(stretches), stretches)
+    whole, part = predictor(plain, log, 0.0), predictor(choice_of(stretches), stretches, 0.0)
     assert part.error == pytest.approx(whole.error, rel=0.1)
     assert 0 < np.linalg.norm(part.force(other) - whole.force(other)) < 0.01 * np.linalg.norm(other.force)
 
@@ -209,7 +209,7 @@ def test_a_level_that_one_direction_does_not_tell_from_the_offset_is_not_blown_u
     v, a = 0.2 + 0.1 * np.sin(2 * t), 0.2 * np.cos(2 * t)
     force = 5.7 + 2.0 * a + 12.0 * v + 0.05 * np.random.default_rng(3).standard_normal(len(t))
     log = Log(t, 0.2 * t - 0.05 * np.cos(2 * t), v, a, force, np.zeros(len(t), np.int32), step=0.01)
-    built = predictor(choice_of(log, laws=("coulomb_viscous",)), log)
+    built = predictor(choice_of(log, laws=("coulomb_viscous",)), log, 0.0)
     assert np.linalg.norm(built.force(other) - other.force) < 2 * np.linalg.norm(other.force)
 
 
@@ -224,7 +224,7 @@ def test_stretches_of_a_long_record_belong_to_its_files():
 
 @pytest.mark.parametrize("extra", [lambda t, y, v, a: 0.0, lambda t, y, v, a: 25.0 * y])
 def test_the_prediction_of_another_motion_survives_a_file(extra):
-    built = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))
+    built = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra), 0.0)
     other = record(14, extra=extra, noise=0.0)
     error = np.linalg.norm(built.force(other) - other.force) / np.linalg.norm(other.force)
     assert error < 0.03

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stribeck.errors import StribeckError, first_line
+from stribeck.errors import StribeckError, arg, first_line
 from stribeck.identify.core.choice import rows_together
+from stribeck.identify.core.states import EstimateState
 from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.filtering import typical_roughness
 from stribeck.identify.features.guess import rises, sizes_of
@@ -35,9 +36,10 @@ def asked_for(log: Log, static: LogFit) -> bool:
 def better(
     log: Log, static: LogFit | None, names: Sequence[str], options: FitOptions, progress: Progress | None = None
 ) -> LogFit:
-    """The best bristle law by BIC, or the static fit if its error in all rows is less than twice as large.
+    """The best bristle law by BIC, or the static fit if its error in all rows is less than twice as large, or if it
+    identifies more numbers.
 
-    Only the reported fit is judged. If there is a static fit, a bristle law whose rough fit is not good enough is not refined.
+    If there is a static fit, a bristle law whose rough fit is not good enough is neither refined nor judged.
 
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
@@ -62,10 +64,11 @@ def better(
     name, best = min(fits, key=lambda each: _bic(each[1]))
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
-        notes = (
-            f"The relative residual of the best static law ({static.law_name}) is {100 * left:.0f} %, rows at rest included.",
-            *notes,
-        )
+        other, words = f"the best static law ({static.law_name})", ""
+        if _identified(chosen) < _identified(static):
+            other, left, words = name, best.error, f", but it identifies fewer numbers ({arg('law')} {name} shows them)"
+            chosen = static
+        notes = (f"The relative residual of {other} is {100 * left:.0f} %, rows at rest included{words}.", *notes)
     candidate_rows = [*(_candidate(n, fit, n == name) for n, fit in fits), *(static.candidates if static else ())]
     candidates = tuple(
         Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in candidate_rows
@@ -74,6 +77,10 @@ def better(
         chosen, candidates=candidates if len(candidates) > 1 else (), notes=(*notes, *chosen.notes),
         status="stopped" if fits[-1][1].stopped else chosen.status,
     )  # fmt: skip
+
+
+def _identified(fit: LogFit) -> int:
+    return sum(e.state is EstimateState.IDENTIFIED for e in fit.parameters.values())
 
 
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:

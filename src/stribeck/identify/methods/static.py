@@ -65,7 +65,9 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
         tell(2 / 3)
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
-        predicting = predictor(choice if same else _chosen(wide, names, body, options), log)
+        predicting = predictor(
+            choice if same else _chosen(wide, names, body, options), log, choice.library.at.speeds[0]
+        )
     return _finished(whole, rows, choice, estimates, unused, options, predicting)
 
 

@@ -38,7 +38,7 @@ class Predictor:
     Attributes:
         at: the constants of the forms; its curve is the law.
         shape, law, body, forms: shapes and coefficients.
-        error: cross-validated, norm(residual)/norm(force).
+        error: cross-validated, norm(residual)/norm(force) over the rows that slide.
     """
 
     at: Anchor
@@ -90,8 +90,12 @@ def of_json(saved: Kept) -> Predictor:
     return Predictor(anchor, saved["shape"], saved["law"], saved["body"], named, saved["error"])
 
 
-def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
-    """The candidate that predicts held-out stretches of the choice's record best."""
+def predictor(choice: Selection[SteadyLibrary], log: Log, slowest: float) -> Predictor:
+    """The candidate that predicts held-out stretches of the choice's record best.
+
+    Args:
+        slowest: the slowest sliding that the fit has seen, m/s; the error is of the rows that are as fast.
+    """
     rest = at_rest(log)
     moving, block = np.flatnonzero(~(rest | beside_rest(rest, log))), choice.library.record.block
     if not len(moving):
@@ -100,18 +104,19 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     fold_of_block = np.arange(count) * min(FOLDS, count) // count
     fold = fold_of_block[_block_of(choice, log, block)[moving]]
     candidates = (True,) if choice.alone else (False, True)
-    left = dict.fromkeys(candidates, 0.0)
+    left, slides = np.zeros((2, len(candidates))), abs(log.velocity) >= slowest
     for f in range(int(fold_of_block.max()) + 1):
         inside, others = moving[fold == f], moving[fold != f]
         if not len(inside) or not len(others):
             continue
-        for alone in candidates:
+        for k, alone in enumerate(candidates):
             candidate = _candidate(choice, (fold_of_block != f).astype(float), log, others, alone)
             with np.errstate(over="ignore"):  # a candidate may diverge on a stretch that it has not seen
-                left[alone] += float(np.sum((log.force - candidate.force(log))[inside] ** 2))
-    best = min(left, key=lambda alone: left[alone])
-    error = float(np.sqrt(left[best]) / max(np.linalg.norm(log.force[moving]), 1e-300))
-    return replace(_candidate(choice, np.ones(count), log, moving, best), error=error)
+                squares = (log.force - candidate.force(log))[inside] ** 2
+                left[:, k] += np.sum(squares), np.sum(squares[slides[inside]])
+    best = int(np.argmin(left[0]))
+    error = float(np.sqrt(left[1, best]) / max(np.linalg.norm(log.force[moving[slides[moving]]]), 1e-300))
+    return replace(_candidate(choice, np.ones(count), log, moving, candidates[best]), error=error)
 
 
 def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
