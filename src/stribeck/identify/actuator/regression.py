@@ -28,7 +28,7 @@ SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
 _ONE_LEVEL = "v_s is not identifiable: the friction level of slow motion may be F_c"
 _NO_SLIDING = (
-    "no stroke is much longer than the displacement to break-away: the friction level of slow motion may be F_s"
+    "no stroke is long or fast enough to show where the curve ends: the friction level of slow motion may be F_s"
 )
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
@@ -132,18 +132,21 @@ class MachineLibrary(ModelLibrary):
     def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Clip estimates to their bounds, and withhold those whose interval is outside.
 
-        Without slow rows, F_s and v_s become one-sided bounds. Without long strokes, F_c is withheld beside an open v_s.
+        Without slow rows, F_s and v_s become one-sided bounds. Without long strokes, F_c is withheld beside
+        an open v_s; and so it is beside a v_s at its upper bound.
         """
         for c in self.sought:
             estimates[c.name] = estimates[c.name].within(c.low, c.high)
         of_path = {path: c.name for c in self.sought for path in c.targets}
+        highest = {c.name: c.high for c in self.sought}
         for contact, slowest in self.friction.slow.items():
             law = f"contacts.{contact}.law.parameters."
             level, static, speed = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s"))
             F_s, v_s = estimates.get(static), estimates.get(speed)
             if v_s is None or v_s.identifiable:
                 continue
-            if level in estimates and self.friction.strokes[contact] < _STROKE:
+            slow = self.friction.strokes[contact] < _STROKE or np.isclose(v_s.value, highest[speed])
+            if level in estimates and slow:
                 withheld = replace(estimates[level], state=EstimateState.NOT_IDENTIFIABLE, why=_NO_SLIDING)
                 estimates[level] = withheld
             if F_s is None:
