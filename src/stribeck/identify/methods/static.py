@@ -160,8 +160,7 @@ def check_motion(log: Log) -> None:
     rough = np.column_stack([few.acceleration, thin, np.sign(thin), *beside])
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), few.force, rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
-    against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
-    if both and against < 0 and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
+    if both and log.force @ v < 0 and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
         raise InputError(
             f"{arg('force')}: acts against the motion: friction would put energy in; the sign is wrong "
             f"({arg('force_gain')} -1 turns it)"
