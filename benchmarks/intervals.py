@@ -53,7 +53,7 @@ TERMS = ("gravity_sin", "gravity_cos", "area", "stiffness", "sigma_2_by_directio
 def presliding(law: str, seed: int) -> Found:
     """A rig that makes small reversals and strokes of several speeds."""
     built = records.presliding(law, seed)
-    fit = simulated(built.log, law, FitOptions(mass=0.0, constants=records.RIG_LAWS[law], starts=4, seed=seed)).judged()
+    fit = simulated(built.log, law, FitOptions(mass=0.0, set=records.RIG_LAWS[law], starts=4, seed=seed)).judged()
     return {**fit.estimates, **fit.body}, {**built.law.values, "offset": 0.0}
 
 
@@ -62,7 +62,7 @@ def body(how: records.Sensing, seed: int) -> Found:
     columns, truth = records.body(how, seed)
     fit = stribeck.fit(
         columns, "lugre", time="t", position="y", force="F", method="dynamic", mass=records.MASS, output=how.output,
-        starts=8, seed=seed, terms=("delay",) if how.term else (),
+        starts=8, seed=seed, term=("delay",) if how.term else (),
     )  # fmt: skip
     return {**fit.estimates, **fit.body}, truth
 

@@ -18,7 +18,7 @@ from tests.identify import rig
 def fitted(tmp_path_factory):
     """The folder of a fit to a log without presliding."""
     log = rig.held_at(0.05, 1.0)
-    fit = simulated(log, "lugre", FitOptions(mass=0.0, constants={"offset": 0.0}, starts=1)).judged()
+    fit = simulated(log, "lugre", FitOptions(mass=0.0, set={"offset": 0.0}, starts=1)).judged()
     folder = tmp_path_factory.mktemp("fit")
     (folder / "parameters.toml").write_text(toml(fit, "stribeck fit"))
     assert not fit.estimates["sigma_0"].identifiable

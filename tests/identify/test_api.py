@@ -32,7 +32,7 @@ def test_a_table_in_memory_is_fitted_as_a_file_is(tmp_path):
     tables = table(), pd.DataFrame(table()), pd.DataFrame(table()).convert_dtypes()
     tables[0]["v"].setflags(write=False)  # as where another program holds the memory
     of_file, *of_tables = (
-        stribeck.fit(data, "coulomb_viscous", units={"v": "mm/s"}, **COLUMNS)["F_c"].value
+        stribeck.fit(data, "coulomb_viscous", unit={"v": "mm/s"}, **COLUMNS)["F_c"].value
         for data in (tmp_path / "log.csv", *tables)
     )
     assert of_tables == pytest.approx([of_file] * 3, rel=1e-12)
@@ -42,7 +42,7 @@ def test_a_table_in_memory_is_fitted_as_a_file_is(tmp_path):
 @pytest.mark.parametrize("law", [None, "coulomb_viscous"])
 def test_the_share_that_is_done_rises_while_a_static_fit_runs(law):
     shares = []
-    stribeck.fit(table(), law, units={"v": "mm/s"}, progress=shares.append, **COLUMNS)
+    stribeck.fit(table(), law, unit={"v": "mm/s"}, progress=shares.append, **COLUMNS)
     assert len(shares) >= 3
     assert shares == sorted(set(shares))
     assert 0.0 < shares[0] < 0.3 < shares[-1] < 1.0

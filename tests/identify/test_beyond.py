@@ -76,7 +76,7 @@ def rig(size: float) -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fit")
-    stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0).save(folder)
+    stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, term=["stiffness"], mass=0.0).save(folder)
     return folder
 
 

@@ -79,7 +79,7 @@ def test_ranges_hold_where_the_stribeck_curve_is_another():
 
 def test_mass_spring_and_offset_are_told_apart():
     log = rig.measured([*rig.LOOPS, *rig.STROKES], mass=2.0, stiffness=500.0, offset=3.0)
-    fit = fitted(log, terms=("stiffness",))
+    fit = fitted(log, term=("stiffness",))
     for name, truth in (("mass", 2.0), ("stiffness", 500.0), ("offset", 3.0)):
         assert fit.body[name].value == pytest.approx(truth, rel=0.03), name
         assert fit.body[name].low < truth < fit.body[name].high
@@ -89,7 +89,7 @@ def test_mass_spring_and_offset_are_told_apart():
 
 @pytest.mark.thorough
 def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
-    fit = fitted(rig.held_at(1.0, 1.0), mass=0.0, constants={"offset": 0.0})
+    fit = fitted(rig.held_at(1.0, 1.0), mass=0.0, set={"offset": 0.0})
     for name in ("sigma_0", "sigma_1"):
         assert not fit[name].identifiable
         assert "reversals" in fit[name].experiment
@@ -100,7 +100,7 @@ def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
 @pytest.mark.thorough
 def test_a_law_constant_is_fitted_when_it_is_freed():
     log = rig.measured([*rig.LOOPS, *rig.STROKES], "elastoplastic_majorant", k_v=1e5, z_ba=5e-6)
-    fit = fitted(log, "elastoplastic_majorant", mass=0.0, constants={"k_v": 1e5}, free=("z_ba",))
+    fit = fitted(log, "elastoplastic_majorant", mass=0.0, set={"k_v": 1e5}, free=("z_ba",))
     assert fit["z_ba"].value == pytest.approx(5e-6, rel=0.05)
 
 
@@ -110,7 +110,7 @@ def test_a_level_that_is_given_moves_where_the_other_begins(given, other):
     force, result = driven(np.arange(0, 1.3, STEP))
     level = {"F_s": 14.0, "F_c": 30.0}[given]
     held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s", "sigma_2")} | {"offset": 0.0, given: level}
-    fit = fitted(logged(result, force, 1e-7), mass=2.0, constants=held, starts=1)
+    fit = fitted(logged(result, force, 1e-7), mass=2.0, set=held, starts=1)
     assert fit.values["F_c"] <= fit.values["F_s"]
     assert fit[other].value == pytest.approx(level if given == "F_c" else MACHINE[other], rel=0.05)
 
@@ -160,7 +160,7 @@ def test_a_drive_that_runs_straight_between_samples_is_within_the_intervals():
     """So little noise that the intervals would tell a cubic spline from chords."""
     force, result = driven(np.arange(0, 1.3, STEP))
     held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")} | {"offset": 0.0}
-    fit = fitted(logged(result, force, 1e-9), output="position", mass=2.0, constants=held, starts=2)
+    fit = fitted(logged(result, force, 1e-9), output="position", mass=2.0, set=held, starts=2)
     for name in ("sigma_2", "F_c", "F_s"):
         assert fit[name].low < MACHINE[name] < fit[name].high, name
         assert fit[name].value == pytest.approx(MACHINE[name], rel=2e-4), name
@@ -175,7 +175,7 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
     np.savez(tmp_path / "log.npz", t=result.t, y=y, F=measured)
     fit = stribeck.fit(
         tmp_path / "log.npz", "lugre", time="t", position="y", force="F", method="dynamic", mass=2.0, starts=3,
-        constants={n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")},
+        set={n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")},
     )  # fmt: skip
     assert not any("better one" in note for note in fit.notes), fit.notes
     for name in ("sigma_2", "F_c", "F_s"):

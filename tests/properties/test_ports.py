@@ -141,7 +141,7 @@ def test_a_contact_spoils_it_and_the_run_shows_how():
     assert verdict.evidence["replay"]["E_in"] < 0
     # F_s+ may be (1 + sigma_2/sigma_1) F_c- = 7: the gear may carry (7 - 1.5)/0.2 = 27.5
     for most, holds in ((27.4, True), (27.6, False)):
-        again = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), forces={"gear": most})
+        again = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), force={"gear": most})
         assert again["mesh"]["passive"].holds is holds
 
 

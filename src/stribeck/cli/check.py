@@ -190,7 +190,7 @@ def _machine(file: Path, *, assignments: list[str], forces: dict[str, float], tr
     from stribeck.properties import check as decide
 
     scenario = load_scenario(file, assignments, trust=trust)
-    return _Asked(scenario.name, (file,), lambda v_max: decide(scenario, v_max, forces=forces), {"forces": forces})
+    return _Asked(scenario.name, (file,), lambda v_max: decide(scenario, v_max, force=forces), {"forces": forces})
 
 
 def _law(

@@ -111,8 +111,8 @@ class How:
     def given(self) -> record.Keywords:
         """The same as arguments of :func:`stribeck.fit`."""
         return {
-            "mass": self.mass, "method": self.method, "free": self.free or (), "terms": self.term or (),
-            "forms": not self.no_forms, "filter": self.filter_, "speeds": self.speed or (),
+            "mass": self.mass, "method": self.method, "free": self.free or (), "term": self.term or (),
+            "forms": not self.no_forms, "filter": self.filter_, "speed": self.speed or (),
             "cutoff": self.cutoff, "starts": self.starts, "seed": self.seed, "output": self.output,
             "unknown": sought(self.unknown or []), "require": shares(self.require or []),
         }  # fmt: skip
@@ -218,7 +218,7 @@ def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: re
     from stribeck.identify.api import fit as fitted
 
     try:
-        return fitted(data, laws, constants=record.constants(assignments), **given)
+        return fitted(data, laws, set=record.constants(assignments), **given)
     except KeyboardInterrupt:
         print("stribeck: there is no estimate yet", file=sys.stderr)
         raise

@@ -52,7 +52,7 @@ class Columns:
             role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
         }
         units = read_pairs(_unit, self.unit or [], "--unit")
-        return {"columns": names, "units": units, "force_gain": self.force_gain}
+        return {"columns": names, "unit": units, "force_gain": self.force_gain}
 
 
 @dataclass(frozen=True)

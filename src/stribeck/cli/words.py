@@ -5,10 +5,7 @@ from __future__ import annotations
 from stribeck.errors import EXTRAS, MissingExtra, StribeckError, one_line, remedy
 
 # Where an option is not called as the argument: the rest is --argument with dashes.
-_WORDS = {
-    "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
-    "forces": "--force", "laws": "--law", "folder": "--out", "speeds": "--speed", "forms": "--no-forms",
-}  # fmt: skip
+_WORDS = {"data": "DATA", "forms": "--no-forms"}
 _POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
 
 # The extra that has all a command needs, where one of its packages comes with another one too.
@@ -16,7 +13,7 @@ _EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "expo
 
 
 def option(name: str, command: str) -> str:
-    """The option of an argument on the command line: ``--set k_v`` for ``constants.k_v``."""
+    """The option of an argument on the command line: ``--v-max`` for ``v_max``, ``--set k_v`` for ``set.k_v``."""
     name, _, key = name.partition(".")
     if command in _POSITIONAL.get(name, ()):
         return name.upper()

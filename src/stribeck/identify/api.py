@@ -34,10 +34,10 @@ Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 def fit(
     data: Data, law: Law = None, *, logs: Logs | str | Path | None = None,
-    columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None = None, unit: Mapping[str, str] | None = None,
     force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
-    constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
-    forms: bool = True, filter: str | None = None, speeds: Sequence[float] = (),
+    set: Mapping[str, float | str] | None = None, free: Sequence[str] = (), term: Sequence[str] = (),
+    forms: bool = True, filter: str | None = None, speed: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
     unknown: Mapping[str, object] | None = None, require: Mapping[str, float] | None = None,
     progress: Progress | None = None, **named: str,
@@ -52,18 +52,18 @@ def fit(
         logs: the recordings of a machine: LOGS.toml, which says what is measured and sought (docs/reference/fit-files.md).
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
-        units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
+        unit: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
         force_gain: force per unit of the force column; a number, or the name of a constant in the file.
         mass: mass, kg (rotary: kg m^2); fitted unless given.
         method: "static" (coulomb_viscous, stribeck, stribeck_tanh) or "dynamic" (by simulation, any law); static unless
             given where the law can be.
-        constants: given constants of the law (``k_v`` or any other), and given terms. With a given F_c or F_s the fit is by
+        set: given constants of the law (``k_v`` or any other), and given terms. With a given F_c or F_s the fit is by
             simulation.
         free: constants with a default that are fitted too (``k_v``).
-        terms: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
+        term: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
         forms: whether a static fit may add forms for effects that the law lacks.
         filter: "published" selects the published inverse-dynamics procedure with the law alone (static).
-        speeds: speeds at which the friction is estimated too, m/s (static).
+        speed: speeds at which the friction is estimated too, m/s (static).
         cutoff: cut-off frequency of the motion's filter, Hz; chosen from the data unless given; 0 for no filter.
         starts, seed: number of starts of a fit by simulation, and their seed.
         output: signal that the simulation must match: "force" along the measured motion, or "velocity" or "position" under
@@ -83,10 +83,10 @@ def fit(
         InputError: if data, columns, units or constants cannot be used; one line for each problem.
     """
     options = FitOptions(
-        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter,
-        tuple(speeds), dict(unknown or {}), dict(require or {}),
+        mass, method, dict(set or {}), tuple(free), tuple(term), starts, seed, output, forms, filter,
+        tuple(speed), dict(unknown or {}), dict(require or {}),
     )  # fmt: skip
-    of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
+    of_file = ColumnNames({**(columns or {}), **named}, dict(unit or {}), force_gain)
     if logs is None:
         return _fit_read(data, law, of_file, options, cutoff, progress)
     _refuse_of_a_log(options, of_file, cutoff)
@@ -126,7 +126,7 @@ def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | 
     usual = FitOptions()
     given = [f.name for f in fields(FitOptions) if getattr(options, f.name) != getattr(usual, f.name)]
     wrong = [n for n in given if n not in ("starts", "seed", "unknown", "require")]
-    wrong += [*columns.names, *(["units"] if columns.units else [])]
+    wrong += [*columns.names, *(["unit"] if columns.units else [])]
     wrong += [n for n, x in (("force_gain", columns.force_gain), ("cutoff", cutoff)) if x is not None]
     if wrong:
         text = f"is for a log: with {arg('logs')}, LOGS.toml says what is measured and sought"
@@ -180,7 +180,7 @@ def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -
         text = "must be the name of a column, not"
         raise InputError([f"{arg(n)}: {show(names[n])}: {text} {kind_of(names[n])}" for n in wrong])
     if isinstance(data, Log):
-        asked = {**names, "units": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff}
+        asked = {**names, "unit": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff}
         if given := [name for name, value in asked.items() if value is not None]:
             raise InputError(
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]

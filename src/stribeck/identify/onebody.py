@@ -172,18 +172,18 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
     """
     law, output = laws.find(name), options.output
     held = {n: x for n, x in options.numbers.items() if n in TERMS}
-    fixed = {n: x for n, x in options.constants.items() if n not in TERMS}
+    fixed = {n: x for n, x in options.set.items() if n not in TERMS}
     free = _free(law, name, fixed, options.free)
-    wanted = [n for n in dict.fromkeys(("mass", "offset", *options.terms)) if n not in held]
+    wanted = [n for n in dict.fromkeys(("mass", "offset", *options.term)) if n not in held]
     terms.check((*wanted, *held), log)
     problems = []
     for n in (*wanted, *held):
         if output == "force" and (TERMS[n].level or n == "delay"):
             problems.append(
-                f"{arg('terms')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
+                f"{arg('term')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
             )
         elif output != "force" and n not in ("mass", *BESIDE):
-            problems.append(f"{arg('terms')}: {n}: has no place in a fit of the motion (it has {', '.join(BESIDE)})")
+            problems.append(f"{arg('term')}: {n}: has no place in a fit of the motion (it has {', '.join(BESIDE)})")
     if problems:
         raise InputError(problems)
     model = OneBody(law, name, tuple(free), _defaults(law, fixed, free), held, tuple(wanted), output)

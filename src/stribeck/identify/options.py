@@ -31,15 +31,15 @@ class FitOptions:
 
     mass: float | None = None
     method: str | None = None
-    constants: Mapping[str, float | str] = field(default_factory=dict)
+    set: Mapping[str, float | str] = field(default_factory=dict)
     free: tuple[str, ...] = ()
-    terms: tuple[str, ...] = ()
+    term: tuple[str, ...] = ()
     starts: int = 20
     seed: int = 0
     output: str = "force"
     forms: bool = True
     filter: str | None = None
-    speeds: tuple[float, ...] = ()
+    speed: tuple[float, ...] = ()
     unknown: Mapping[str, object] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
 
@@ -53,7 +53,7 @@ class FitOptions:
         if wide:
             text = f"must be a half width above 0, and at most {LOOSEST:g} of the number"
             raise InputError([f"{arg('require')}: {n}: {show(x)}: {text}" for n, x in wide])
-        if wrong := [x for x in self.speeds if not 0 < x <= LARGEST]:
+        if wrong := [x for x in self.speed if not 0 < x <= LARGEST]:
             raise InputError([f"{arg('speed')}: {show(x)}: must be above 0, and at most {LARGEST:g}" for x in wrong])
 
     @cached_property
@@ -72,7 +72,7 @@ class FitOptions:
     def numbers(self) -> dict[str, float]:
         """The given constants and terms that are numbers, and the mass."""
         mass = {} if self.mass is None else {"mass": self.mass}
-        return {n: float(x) for n, x in self.constants.items() if not isinstance(x, str)} | mass
+        return {n: float(x) for n, x in self.set.items() if not isinstance(x, str)} | mass
 
     @property
     def published(self) -> bool:
@@ -87,13 +87,13 @@ class FitOptions:
     def of_law(self, law: str) -> FitOptions:
         """The options without constants that this law does not have."""
         own = {*laws.find(law).constants(), *TERMS}
-        constants = {n: x for n, x in self.constants.items() if n in own}
+        constants = {n: x for n, x in self.set.items() if n in own}
         unknown = {n: x for n, x in self.unknown.items() if n in own}
-        return replace(self, constants=constants, free=tuple(n for n in self.free if n in own), unknown=unknown)
+        return replace(self, set=constants, free=tuple(n for n in self.free if n in own), unknown=unknown)
 
     def method_for(self, law: type[laws.Law]) -> str:
         """The method asked for, or what suits the law and the given constants."""
-        return self.method or ("static" if law.name in LAWS and not LEVELS & self.constants.keys() else "dynamic")
+        return self.method or ("static" if law.name in LAWS and not LEVELS & self.set.keys() else "dynamic")
 
     def check(self, names: Sequence[str]) -> None:
         """Refuse what these laws, or one of them, cannot be asked for.
@@ -102,24 +102,22 @@ class FitOptions:
             InputError: constants, the mass or options that a law or its method does not have; a line for each problem.
         """
         known = {n: c for name in names for n, c in laws.find(name).constants().items()}
-        given = {"constants": self.constants, "free": self.free, "unknown": self.sought}
+        given = {"set": self.set, "free": self.free, "unknown": self.sought}
         none = f"law '{names[0]}' has no such constant" if len(names) == 1 else "none of these laws has such a constant"
         problems = [
             f"{arg(what)}: {n}: {none}{nearest(n, (*known, *TERMS))}"
             for what, some in given.items() for n in some if n not in known and (what == "free" or n not in TERMS)
         ]  # fmt: skip
-        other = f"is given with {arg('constants')} as well; must be one of the two"
-        twice = {what: [n for n in some if n in self.constants] for what, some in given.items() if what != "constants"}
+        other = f"is given with {arg('set')} as well; must be one of the two"
+        twice = {what: [n for n in some if n in self.set] for what, some in given.items() if what != "set"}
         problems += [f"{arg(what)}: {n}: {other}" for what, some in twice.items() for n in some]
-        if self.mass is not None and "mass" in self.constants:
+        if self.mass is not None and "mass" in self.set:
             problems.append(f"{arg('mass')}: {show(self.mass)}: {other}")
         words = [n for n in self.free if n in known and known[n].choices]
-        problems += [
-            f"{arg('free')}: {n}: is a word, not a number; must be given with {arg('constants')}" for n in words
-        ]
-        for n, x in (self.constants if self.mass is None else {**self.constants, "mass": self.mass}).items():
+        problems += [f"{arg('free')}: {n}: is a word, not a number; must be given with {arg('set')}" for n in words]
+        for n, x in (self.set if self.mass is None else {**self.set, "mass": self.mass}).items():
             if text := problem(n, x) if n in TERMS else known[n].problem(x) if n in known else "":
-                place = "mass" if n == "mass" and self.mass is not None else f"constants.{n}"
+                place = "mass" if n == "mass" and self.mass is not None else f"set.{n}"
                 problems.append(f"{arg(place)}: {show(x)}: {text}")
         if problems:
             raise InputError(problems)
@@ -129,21 +127,21 @@ class FitOptions:
     def _check_method(self, law: str) -> None:
         """Refuse what the law's method has not, and constants that contradict each other."""
         kind = laws.find(law)
-        method, given = self.method_for(kind), {n: x for n, x in self.constants.items() if n in kind.constants()}
-        problems = [f"{arg(f'constants.{name}')}: {text}" for name, text in kind.broken(given)]
-        only_static = {"forms": not self.forms, "filter": self.filter, "speed": self.speeds}
+        method, given = self.method_for(kind), {n: x for n, x in self.set.items() if n in kind.constants()}
+        problems = [f"{arg(f'set.{name}')}: {text}" for name, text in kind.broken(given)]
+        only_static = {"forms": not self.forms, "filter": self.filter, "speed": self.speed}
         if method != "static":
             problems += [
                 f"{arg(n)}: belongs to {arg('method')} static, not {method}" for n, x in only_static.items() if x
             ]
         elif kind.name not in LAWS:
             problems.append(f"{arg('method')}: 'static': has {', '.join(LAWS)}; law '{law}' is fitted by simulation")
-        elif held := sorted(LEVELS & self.constants.keys()):
+        elif held := sorted(LEVELS & self.set.keys()):
             text = f"a static fit estimates it; must be fitted, or {arg('method')} be dynamic"
-            problems += [f"{arg(f'constants.{n}')}: {text}" for n in held]
+            problems += [f"{arg(f'set.{n}')}: {text}" for n in held]
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
-            problems += [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]
+            problems += [f"{arg('term')}: {n!r}: {text}" for n in (*self.term, *self.set) if n == "delay"]
             only_dynamic = {"output": self.output != "force", "unknown": self.unknown}
             problems += [
                 f"{arg(n)}: belongs to {arg('method')} dynamic, not {method}" for n, x in only_dynamic.items() if x

@@ -116,9 +116,7 @@ def numbers(assignments: Sequence[tuple[str, Value]]) -> dict[str, float]:
         InputError: a value is no number.
     """
     wrong = [
-        f"{arg(f'constants.{n}')}: {v!r}: must be a number"
-        for n, v in assignments
-        if isinstance(v, bool | str | list | dict)
+        f"{arg(f'set.{n}')}: {v!r}: must be a number" for n, v in assignments if isinstance(v, bool | str | list | dict)
     ]
     if wrong:
         raise InputError(wrong)

@@ -98,7 +98,7 @@ def predict(
     machine: Scenario | str | Path | Mapping[str, object] | None = None,
     *,
     columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
+    unit: Mapping[str, str] | None = None,
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trust: bool = False,
@@ -109,11 +109,11 @@ def predict(
     Args:
         data: the record: a file, a table of columns, several of one layout, or a :class:`stribeck.identify.log.Log`; for a
             ``machine`` one file.
-        fit: the fit, or the folder that it was saved in; columns, units, force_gain and cutoff are the fit's unless given.
+        fit: the fit, or the folder that it was saved in; columns, unit, force_gain and cutoff are the fit's unless given.
         machine: a scenario of one body, whose motion is compared with the record.
         columns: the record's column for each role; also as keywords (``time="t"``). Of a machine ``command`` replaces its
             signal.
-        units: unit of a column by its name; SI unless given.
+        unit: unit of a column by its name; SI unless given.
         force_gain: force per unit of the force column.
         cutoff: cut-off frequency of the motion's filter, Hz.
         trust: execute a fit's law in a file (``FILE.py:NAME``) wherever it lies.
@@ -125,7 +125,7 @@ def predict(
     Raises:
         InputError: the record or the fit cannot be used; not one of fit and machine is given.
     """
-    names = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
+    names = ColumnNames({**(columns or {}), **named}, dict(unit or {}), force_gain)
     if (fit is None) == (machine is None):
         raise InputError(f"{arg('fit')}, {arg('machine')}: one must be given, and not both")
     if machine is not None:

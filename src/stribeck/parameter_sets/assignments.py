@@ -22,7 +22,7 @@ def parse_assignment(text: str) -> tuple[str, Toml]:
     path, sign, value = text.partition("=")
     path = path.strip()
     if not sign or not all(path.split(".")):
-        raise InputError(f"{arg('changes')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
+        raise InputError(f"{arg('set')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
     return path, value_of(value)
 
 
@@ -42,4 +42,4 @@ def parse_assignments(texts: Iterable[str]) -> dict[str, Toml]:
     Raises:
         InputError: a line for each that is invalid, and for each path that several have.
     """
-    return read_pairs(parse_assignment, texts, arg("changes"))
+    return read_pairs(parse_assignment, texts, arg("set"))

@@ -33,13 +33,13 @@ def check(
 @overload
 def check(
     what: Machine | Scenario | str | Path | Mapping[str, object], v_max: float | None = None, *,
-    forces: Mapping[str, float] | None = None, t_end: float | None = None, work: float = WORK,
+    force: Mapping[str, float] | None = None, t_end: float | None = None, work: float = WORK,
 ) -> MachineVerdicts: ...  # fmt: skip
 
 
 def check(
     what: Law | Machine | Scenario | str | Path | Mapping[str, object], v_max: float | None = None, *,
-    level: tuple[float, float] | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
+    level: tuple[float, float] | None = None, force: Mapping[str, float] | None = None, t_end: float | None = None,
     work: float = WORK, **tolerated: Any,
 ) -> Verdicts | MachineVerdicts:  # fmt: skip
     """Decide five properties of a law with its constants, or of each contact of a machine.
@@ -50,7 +50,7 @@ def check(
         v_max: check passivity for \\|v\\| <= v_max, m/s; for every v unless given.
         level: of a law, (LOW, HIGH): F_c and F_s vary together in any way between LOW and HIGH times their values. A verdict
             holds for every such history.
-        forces: of a machine, assumed bounds of forces by the name of a link, load or motor, N or N m.
+        force: of a machine, assumed bounds of forces by the name of a link, load or motor, N or N m.
         t_end: of a machine, end of the run over which signals are bounded, s; the scenario's unless given.
         **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``
             (:class:`stribeck.properties.steepness.Tolerated`). ``.steepness`` is then the smallest k_v that meets them.
@@ -74,8 +74,8 @@ def check(
             raise InputError("level: must be left out for a machine: its file defines what varies")
         if tolerated:
             raise InputError([f"{name}: must be left out for a file: it is about one law" for name in tolerated])
-        return check_machine(what, v_max, forces, t_end, work)
-    alien = {"forces": forces, "t_end": t_end}
+        return check_machine(what, v_max, force, t_end, work)
+    alien = {"force": force, "t_end": t_end}
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
         raise InputError(problems)
     steepness = {}

@@ -138,9 +138,9 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
     for name, size in stated.items():
         if name not in known:
             has = nearest(name, known) or f" (it has {', '.join(known) or 'none'})"
-            problems.append(f"{arg('forces')}: {name!r}: {scenario.name} has no such link, load or motor{has}")
+            problems.append(f"{arg('force')}: {name!r}: {scenario.name} has no such link, load or motor{has}")
         elif text := Constant("N", "", at_least=0).problem(size):
-            problems.append(f"forces.{name}: {show(size)}: {text}")
+            problems.append(f"force.{name}: {show(size)}: {text}")
     if problems:
         raise InputError(problems)
 

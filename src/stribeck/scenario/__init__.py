@@ -106,16 +106,16 @@ class Scenario:
 
     @classmethod
     def load(
-        cls, path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
+        cls, path: str | Path, set: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
     ) -> Scenario:
         """Read the scenario or machine of a TOML file.
 
         A law in a file (``FILE.py:NAME``) is a program. It is executed last, if everything else is valid. It must be in the
-        scenario's folder or below, unless ``changes`` name it or ``trust`` is given (docs/reference/scenario.md).
+        scenario's folder or below, unless ``set`` names it or ``trust`` is given (docs/reference/scenario.md).
 
         Args:
             path: the file.
-            changes: values that replace those at paths of the file: ``{"law.k_v": 1e6}``.
+            set: values that replace those at paths of the file: ``{"law.k_v": 1e6}``.
             trust: whether laws in files outside the scenario's folder may be executed; or names of such laws.
 
         Raises:
@@ -126,16 +126,16 @@ class Scenario:
         if not data:
             raise InputError(f"{path}: is empty; 'stribeck new' writes a scenario to start from")
         data.setdefault("name", path.stem)
-        changes, folder, trusted = changes or {}, path.parent, _trusted(trust)
+        changes, folder, trusted = set or {}, path.parent, _trusted(trust)
         strange = named(data).values()
         if strange and any(map(unfolds, changes)):
             # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
             others = {place: x for place, x in changes.items() if not unfolds(place)}
             bare = changed(data, others, folder)
-            named_by_changes = set(named(bare).values()) - set(strange)
+            named_by_changes = {*named(bare).values()} - {*strange}
             _refuse(Reader(bare, folder, None if trusted is None else {*trusted, *named_by_changes}).judge())
         new = changed(data, changes, folder)
-        named_by_changes = set(named(new).values()) - set(strange)
+        named_by_changes = {*named(new).values()} - {*strange}
         return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *named_by_changes})
 
     @classmethod

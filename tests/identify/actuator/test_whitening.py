@@ -60,7 +60,7 @@ def pushed():
 
 def test_a_noisy_drive_costs_little_accuracy(pushed, monkeypatch):
     """The position integrates the noise of the force. Its prediction errors are as small as this noise."""
-    asked = FitOptions(method="dynamic", output="position", starts=1, constants=KNOWN)
+    asked = FitOptions(method="dynamic", output="position", starts=1, set=KNOWN)
     fit = simulated(pushed, "lugre_majorant", asked).judged()
     monkeypatch.setattr(residuals, "prediction_filter", lambda _: np.ones(1))
     plain = simulated(pushed, "lugre_majorant", asked).judged()
@@ -73,7 +73,7 @@ def test_a_noisy_drive_costs_little_accuracy(pushed, monkeypatch):
 
 @pytest.mark.thorough
 def test_a_second_estimate_enters_the_interval_where_the_residual_is_colored(pushed, monkeypatch):
-    asked = FitOptions(method="dynamic", output="position", starts=1, constants=KNOWN)
+    asked = FitOptions(method="dynamic", output="position", starts=1, set=KNOWN)
     second = simulated(pushed, "lugre_majorant", asked).best.under_guide
     assert second.keys() == {"F_c", "mass", "offset"}
     assert np.exp(second["F_c"][0]) == pytest.approx(1.0, rel=0.03)

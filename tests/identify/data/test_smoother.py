@@ -132,7 +132,7 @@ def test_a_weight_hides_no_rounded_motion(tmp_path):
         torque = 0.02 * a + 1.3 * np.sin(y) + friction + 0.02 * rng.standard_normal(len(t))
         tick = 2 * np.pi / 4096
         np.savez(tmp_path / f"{seed}.npz", t=t, x=tick * np.round(y / tick), F=torque)
-    fit = stribeck.fit(tmp_path / "1.npz", terms=["gravity_sin"], **NAMES)
+    fit = stribeck.fit(tmp_path / "1.npz", term=["gravity_sin"], **NAMES)
     assert fit.body["gravity_sin"].value == pytest.approx(1.3, rel=0.02)
     fit.save(tmp_path / "fit")
     result = Fit.load(tmp_path / "fit").predict(load_log([tmp_path / "2.npz"], ColumnNames(NAMES)))

@@ -82,7 +82,7 @@ def test_friction_that_grows_with_a_load_column_is_found_once():
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
-    fit = stribeck.fit(record(1), "coulomb_viscous", constants={"mass": TRUTH["mass"], "offset": TRUTH["offset"]})
+    fit = stribeck.fit(record(1), "coulomb_viscous", set={"mass": TRUTH["mass"], "offset": TRUTH["offset"]})
     monkeypatch.setattr(said, "_model", lambda fit: {}["time"])
     with pytest.warns(Warning, match="could not be drawn"):
         assert fit.save(tmp_path) == ["parameters.toml", "fit.json"]
@@ -100,7 +100,7 @@ def test_friction_that_changes_with_position_is_told_where_the_axis_moves():
 
 
 def test_levels_are_estimated_at_speeds_that_the_user_names():
-    fitted = stribeck.fit(record(2), "stribeck", speeds=[0.1])["level at 0.1"]
+    fitted = stribeck.fit(record(2), "stribeck", speed=[0.1])["level at 0.1"]
     truth = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-4.0) + TRUTH["sigma_2"] * 0.1
     assert fitted.range[0] <= truth <= fitted.range[1]
 
@@ -114,7 +114,7 @@ def test_a_measured_column_that_changes_with_the_motion_alone_leaves_nothing_ide
     assert any("pressure was not used, as it depends on the motion only" in note for note in fit.notes)
     fit = stribeck.fit(log.with_columns(load=20 + 0.1 * np.random.default_rng(1).standard_normal(len(log))), "stribeck")
     assert any("load was not used, as it hardly changes" in note for note in fit.notes)
-    fitted = stribeck.fit(log, "stribeck", constants={"area": 5e-5})
+    fitted = stribeck.fit(log, "stribeck", set={"area": 5e-5})
     assert fitted["F_c"].interval[0] <= TRUTH["F_c"] <= fitted["F_c"].interval[1]
     assert fitted["F_c"].state is EstimateState.IDENTIFIED
 
@@ -153,7 +153,7 @@ def test_a_rotary_joint_carries_weight_unless_that_is_denied():
     fit = stribeck.fit(log, "stribeck")
     assert fit["gravity_sin"].interval[0] <= 3.0 <= fit["gravity_sin"].interval[1]
     assert (fit["F_c"].unit, fit["mass"].unit, fit["v_s"].unit) == ("N m", "kg m^2", "rad/s")
-    assert "gravity_sin" not in stribeck.fit(log, "stribeck", constants={"gravity_sin": 0.0}).parameters
+    assert "gravity_sin" not in stribeck.fit(log, "stribeck", set={"gravity_sin": 0.0}).parameters
 
 
 def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
@@ -175,7 +175,7 @@ def test_the_nearest_stribeck_law_is_that_of_three_decades_of_speed():
 def test_what_hangs_on_the_filter_of_a_coarse_encoder_is_withheld():
     """Reversals of 10 ms behind a filter of 50 Hz: v_s was 2.5 [1.8, 3.3] rad/s, where the truth is 1."""
     columns = {"time": "t", "position": "theta", "force": "i"}
-    fit = stribeck.fit(SERVO / "closed.csv", "stribeck", columns=columns, units={"theta": "rad"}, force_gain=0.05)
+    fit = stribeck.fit(SERVO / "closed.csv", "stribeck", columns=columns, unit={"theta": "rad"}, force_gain=0.05)
     truth = {"F_c": 0.02, "F_s": 0.03, "v_s": 1.0, "mass": 5e-5}
     for name in (n for n in truth if fit[n].usable):
         assert fit[name].range[0] <= truth[name] <= fit[name].range[1], name

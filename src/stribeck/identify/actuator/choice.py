@@ -45,7 +45,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collecti
     folder, contacts = scenario.folder, scenario.data.get("contacts", {})
     text = "lies outside the machine's folder, and a law is a program that would be executed"
     if strange := [
-        f"laws.{contact}: {show(name)}: {text}: must be in that folder or below it, or given with {arg('laws')}"
+        f"laws.{contact}: {show(name)}: {text}: must be in that folder or below it, or given with {arg('law')}"
         for contact, names in laws.items() for name in astray([name for name in names if name not in given], folder, folder)
     ]:  # fmt: skip
         raise InputError(strange)

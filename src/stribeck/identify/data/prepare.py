@@ -55,7 +55,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         if rotary[-1] != rotary[0]:
             kinds = {True: "rotary", False: "linear"}
             text = f"{name}: its units are {kinds[rotary[-1]]}, those of {names[0]} are {kinds[rotary[0]]}; must agree"
-            raise InputError(f"{arg('units')}: {text}")
+            raise InputError(f"{arg('unit')}: {text}")
         part, notes = read_named(source, named), list[str]()
         if rotary[-1] and "position" in part:
             part["position"], turns = unwrapped(part["time"], part["position"])

@@ -125,7 +125,7 @@ def _require_agreement(columns: dict[str, Array], runs: list[slice], number: str
     ratio = disagreement([(columns["time"][r], columns["position"][r], columns["velocity"][r]) for r in runs])
     if ratio is not None:
         raise InputError(
-            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit ({arg('units')}) "
+            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or {arg('unit')} "
             f"is wrong, or it is the velocity of another body (then leave out {arg('position')})"
         )
 

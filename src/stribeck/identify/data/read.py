@@ -104,7 +104,7 @@ def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -
     wanted = {role: name for role, name in columns.names.items() if name in source.names}
     problems += [no_column(role, name, source) for role, name in columns.names.items() if role not in wanted]
     problems += [
-        f"{arg('units')}: {name!r}: no column of that name is used{nearest(name, used)}"
+        f"{arg('unit')}: {name!r}: no column of that name is used{nearest(name, used)}"
         for name in columns.units if name not in used
     ]  # fmt: skip
     factors: dict[str, float] = {}

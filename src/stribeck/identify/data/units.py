@@ -39,11 +39,11 @@ def factor(role: str, column: str, unit: str) -> float:
     if (part := _PART.match(unit)) and int(part[1]) > 0 and (whole := f"rev{unit[part.end() :]}") in known:
         return known[whole] / int(part[1])
     if _COUNT.match(unit):
-        raise InputError(f"{arg('units')}: '{column}={unit}': must be rev/N, of N counts a turn")
+        raise InputError(f"{arg('unit')}: '{column}={unit}': must be rev/N, of N counts a turn")
     if unit not in known:
         common = [u for u in known if len(u) < 6][:9]
         guess = nearest(unit, known) or f"; known for {role}: {', '.join(common)}, ..."
-        raise InputError(f"{arg('units')}: '{column}={unit}': no unit of {role}{guess}")
+        raise InputError(f"{arg('unit')}: '{column}={unit}': no unit of {role}{guess}")
     return known[unit]
 
 

@@ -52,7 +52,7 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
     Raises:
         InputError: constants or terms are unknown or missing, or the log has too little motion or a force of wrong sign.
     """
-    terms.check(tuple(options.terms), log)
+    terms.check(tuple(options.term), log)
     check_motion(log)
     tell = progress or (lambda _: None)
     whole, log = log, shortened(log, ENOUGH_ROWS)
@@ -86,7 +86,7 @@ def _filtered_lower(
 def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitOptions) -> Selection[SteadyLibrary]:
     """The best model on the rows of a band."""
     records = [_compared(rows, name, body, options) for name in names]
-    return chosen(records, options.alone, options.speeds)
+    return chosen(records, options.alone, options.speed)
 
 
 def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
@@ -103,7 +103,7 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], dict[str, str]]:
     A rotary joint has gravity terms. A measured column is in the model if its coefficient is identifiable.
     """
     given = [n for n in options.numbers if n in TERMS]
-    terms = list(dict.fromkeys(["offset", *options.terms]))
+    terms = list(dict.fromkeys(["offset", *options.term]))
     if log.rotary and not {*WEIGHT} & {*terms, *given}:
         terms += WEIGHT
     unused = dict[str, str]()

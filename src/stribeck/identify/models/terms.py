@@ -85,8 +85,8 @@ def check(names: tuple[str, ...], log: Log) -> None:
     for name in names:
         if name not in TERMS:
             guess = nearest(name, TERMS) or f" (known: {', '.join(TERMS)})"
-            problems.append(f"{arg('terms')}: {name!r}: no such term{guess}")
+            problems.append(f"{arg('term')}: {name!r}: no such term{guess}")
         elif (needs := TERMS[name].needs) and getattr(log, needs) is None:
-            problems.append(f"{arg('terms')}: {name!r}: needs a column: {arg(needs)}")
+            problems.append(f"{arg('term')}: {name!r}: needs a column: {arg(needs)}")
     if problems:
         raise InputError(problems)
