@@ -82,7 +82,7 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
         elif kind == "stiction":
             own |= {"K_i": 0.25 * routh}
             friction["F_s"] = 1.3 * friction["F_c"]
-            vary = f"contacts.guide.law.parameters.F_s={law['F_c']}:{2 * law['F_c']}"
+            vary = f"contacts.guide.law.parameters.F_s={friction['F_c']}:{2 * friction['F_c']}"
         else:
             own |= {"K_i": 0.2 * routh}
             vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{30 * own['K_d']}"
