@@ -60,7 +60,6 @@ def test_a_folder_without_a_fit_is_refused_in_a_line(stribeck, fitted, tmp_path,
 
 
 def test_a_record_at_rest_is_refused_in_a_line(stribeck, fitted, tmp_path):
-    """It was a traceback: the curve was tabled up to the fastest speed."""
     (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},0.0,{i % 7}\n" for i in range(400)))
     process = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
     assert (process.status, process.out) == (2, "")

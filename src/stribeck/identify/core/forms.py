@@ -73,6 +73,7 @@ class Anchor:
         waves, level_waves: ripples of the force and of the friction's level over the position, 1/m.
         swing: the resonance of an elastic coupling, Hz, and its damping ratio.
         late: the time constant of a filter of the force, s.
+        plays: short ways over which friction reverses, of ``way``: the one found, its half and its double.
     """
 
     curve: SteadyCurve
@@ -90,6 +91,7 @@ class Anchor:
     level_waves: tuple[float, ...] = ()
     swing: tuple[float, float] | None = None
     late: float = 0.0
+    plays: tuple[float, ...] = ()
 
     def friction(self, v: Array) -> Array:
         """The law's friction with the anchor's coefficients."""
@@ -109,7 +111,11 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
         of_swing = coupling(*at.swing, log.step)
         columns[f"coupling {at.swing[0]:.1f}", ""] = lambda: behind(log.acceleration, runs, log.step, *of_swing)
     if at.turns:
-        columns |= {(f"play {w}", ""): lambda w=w: direction_along(log, w * at.way) - np.sign(v) for w in WIDTHS}
+        widths = (*at.plays, *WIDTHS)
+        columns |= {
+            (f"play {np.format_float_positional(w)}", ""): lambda w=w: direction_along(log, w * at.way) - np.sign(v)
+            for w in widths
+        }
         columns |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
     columns |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
     columns |= _of_place(log, sign, at)

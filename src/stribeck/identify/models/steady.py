@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
-from stribeck.identify.core.forms import Anchor, Key, fits, forms, is_bend, sliding, steady
+from stribeck.identify.core.forms import WIDTHS, Anchor, Key, fits, forms, is_bend, sliding, steady
 from stribeck.identify.core.library import CELL, LARGEST, LEVELS, STEEP, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
@@ -329,6 +329,7 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
     columns = transmission.behind_filter(late)
     x = np.asarray(np.linalg.lstsq(columns, record.force, rcond=RANK)[0], float)
     residual = record.force - columns @ x
+    basis, way = np.linalg.qr(columns / np.maximum(np.max(abs(columns), axis=0), 1e-300))[0], travel(log)
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     seen = seen_speeds(abs(v[record.at]))
@@ -339,20 +340,22 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
         a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, record.force, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
+    short = transmission.play(basis, residual, WIDTHS[0] * way)
     at = Anchor(
         curve,
         shape,
         coefficients,
         fast,
-        travel(log),
+        way,
         log.step,
         turns,
         placed,
         (*seen, *speeds),
         carried,
         float(log.position[record.at].mean()),
-        swing=transmission.swing(columns, residual),
+        swing=transmission.swing(basis, residual),
         late=late,
+        plays=tuple(float(f"{f * short / way:.2g}") for f in (0.5, 1, 2)) if turns else (),
     )
     if (between := ripple_range(log, record.q)) is None:
         return at

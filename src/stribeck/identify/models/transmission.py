@@ -1,4 +1,4 @@
-"""What lies between the measured force and the body, as a record tells it: a filter of the force, and an elastic coupling."""
+"""What a record tells of what lies between force and sliding: a filter of the force, an elastic coupling, presliding."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from stribeck.arrays import Array
 from stribeck.identify.core.forms import behind, coupling, filtered
 from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.over_position import direction_along
 from stribeck.identify.models.record import Record, body_columns, kept_rows
 
 _TRIED = 25  # frequencies, or times: frequencies a seventh apart, the width of a lightly damped resonance
 _BAND = 30.0  # largest over smallest frequency: slower swings are those of a spring
 _TIMES = 0.25, 25.0  # samples: a shorter time is a delay, a longer one leaves no friction to fit
+_SHORTEST = 1e-3  # of the longest way: microns of a stroke of decimeters
 _DAMPINGS = (0.03, 0.1, 0.3)  # of steel shafts, of belts, of rubber
 
 
@@ -58,19 +60,38 @@ class Transmission:
         x, at_end = _least(left, *(n * self.step for n in _TIMES))
         return 0.0 if at_end else float(np.exp(x))
 
-    def swing(self, columns: Array, residual: Array) -> tuple[float, float]:
-        """The frequency, Hz, and the damping ratio of the coupling that explains most of what the columns leave."""
-        basis = np.linalg.qr(columns / np.maximum(np.max(abs(columns), axis=0), 1e-300))[0]
+    def swing(self, basis: Array, residual: Array) -> tuple[float, float]:
+        """The frequency, Hz, and the damping ratio of the coupling that explains most of a residual.
+
+        Args:
+            basis: of the columns that left the residual.
+        """
 
         def left(log_hertz: float, damping: float) -> float:
             of_filter = coupling(float(np.exp(log_hertz)), damping, self.step)
             column = behind(self.acceleration, self.runs, self.step, *of_filter)[self.record.counted]
-            column = column - basis @ (basis.T @ column)
-            return -(float(column @ residual) ** 2) / max(float(column @ column), 1e-300)
+            return -_explained(column, basis, residual)
 
         high = min(HIGHEST / self.step, self.record.log.bandwidth or np.inf)
         x, _ = _least(partial(left, damping=_DAMPINGS[1]), high / _BAND, high)
         return float(np.exp(x)), min(_DAMPINGS, key=partial(left, x))
+
+    def play(self, basis: Array, residual: Array, high: float) -> float:
+        """The way, m, up to ``high``, that explains most of a residual if friction reverses over it."""
+        log = self.record.log
+
+        def left(log_way: float) -> float:
+            column = self.record.column(direction_along(log, float(np.exp(log_way))) - np.sign(log.velocity))
+            return -_explained(column, basis, residual)
+
+        x, _ = _least(left, _SHORTEST * high, high)
+        return float(np.exp(x))
+
+
+def _explained(column: Array, basis: Array, residual: Array) -> float:
+    """The part of a residual's squares that a column explains beside a basis."""
+    column = column - basis @ (basis.T @ column)
+    return float(column @ residual) ** 2 / max(float(column @ column), 1e-300)
 
 
 def _least(cost: Callable[[float], float], low: float, high: float) -> tuple[float, bool]:
