@@ -15,7 +15,7 @@ from typing import Any
 from measure import Given, run, spread
 
 from stribeck import Scenario, examples
-from stribeck.explore import explore
+from stribeck.explorer import explore
 
 _SIZES = {"desk, 1280 x 1000": (1280, 1000, False), "phone, 390 x 844": (390, 844, True)}
 

@@ -19,7 +19,7 @@ LONG_FUNCTIONS: dict[str, str] = {}
 ANY: dict[str, tuple[int, str]] = {
     "cli": (5, "summaries for JSON that are read again by their keys, to be printed; keywords for the library"),
     "exports": (9, "the files of other programs, as JSON and XML hold them"),
-    "explore": (8, "Bokeh's figures; numbers for the page"),
+    "explorer": (8, "Bokeh's figures; numbers for the page"),
     "expressions": (
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",

@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 from stribeck.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from stribeck.cli.doctor import doctor
+    from stribeck.cli.new import new
     from stribeck.constants import Constant
     from stribeck.errors import InputError, StribeckError
+    from stribeck.explorer import explore
     from stribeck.exports import export
     from stribeck.exports.exchange import import_
     from stribeck.identify.api import fit
@@ -34,14 +37,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Body", "BristleLaw", "Constant", "Contact", "Controller", "Ensemble", "Fit", "InputError", "Law", "Link", "Load",
-    "Machine", "Motor", "Scenario", "Solution", "StaticLaw", "StribeckError", "check", "design", "export", "fit",
-    "import_", "law", "library", "load", "predict", "signals", "simulate", "sweep",
+    "Machine", "Motor", "Scenario", "Solution", "StaticLaw", "StribeckError", "check", "design", "doctor", "explore",
+    "export", "fit", "import_", "law", "library", "load", "new", "predict", "signals", "simulate", "sweep",
 ]  # fmt: skip
 
 # The modules that the public names come from, imported at first use: 'import stribeck' itself costs nothing.
 _HOME = {
+    "stribeck.cli.doctor": ("doctor",),
+    "stribeck.cli.new": ("new",),
     "stribeck.constants": ("Constant",),
     "stribeck.errors": ("InputError", "StribeckError"),
+    "stribeck.explorer": ("explore",),
     "stribeck.exports.exchange": ("import_",),
     "stribeck.exports": ("export",),
     "stribeck.identify.api": ("fit",),

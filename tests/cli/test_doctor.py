@@ -41,7 +41,6 @@ def test_a_healthy_installation_passes(stribeck, tmp_path, monkeypatch):
     status, outcome = reported(stribeck)
     assert (status, outcome["backend"], outcome["self_test"]["passed"]) == (0, "c", True)
     assert outcome["self_test"]["deviation"] < 1e-6
-    assert outcome["self_test"]["milliseconds"] < 1e4
     assert outcome["compiler"]["version"]
     text, cache, test = " ".join(stribeck("doctor").out.split()), outcome["cache"], outcome["self_test"]
     for words in (

@@ -523,7 +523,7 @@ ENDS = {  # where each command ends, and how it begins
     "fit": ("identify.api.fit", "log.csv --time t --velocity v --force F"),
     "predict": ("identify.predict.predict", "other.csv --time t --velocity v --force F --fit fit"),
     "sweep": ("sweeps.job.Sweep", "stick_slip.toml --vary law.k_v=1:2:2 --out grid"),
-    "explore": ("explore.explore", "stick_slip.toml"),
+    "explore": ("explorer.explore", "stick_slip.toml"),
     "library": ("laws.library.library", "lugre"),
 }
 GIVEN = {  # a value of each option that takes one

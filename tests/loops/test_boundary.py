@@ -35,8 +35,7 @@ def test_a_plain_change_is_a_boundary(monkeypatch):
     assert named.value == pytest.approx(333.3, rel=1e-3)
     assert (named.below, named.above, named.sure) == ("quiet", "hunting", True)
     assert not solution.mixed
-    below = solution.values[solution.values < 333.3]
-    assert np.max(np.diff(below)) <= 800.0 * (1 + 1e-9) * solution.resolution
+    assert np.max(np.diff(solution.values[solution.values < 333.3])) <= 800.0 * (1 + 1e-9) * solution.resolution
 
 
 def test_one_near_zero_is_found_as_finely(monkeypatch):

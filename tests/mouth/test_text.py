@@ -6,7 +6,7 @@ from html import unescape
 import pytest
 
 from stribeck.errors import printable, unbroken
-from stribeck.explore import explore
+from stribeck.explorer import explore
 from stribeck.mouth import page, plots, terminal
 from stribeck.mouth.document import Amount, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import Scenario
@@ -137,7 +137,7 @@ def test_a_users_law_and_scenario_are_shown_escaped(words, stribeck, rig, monkey
 @needs_compiler
 def test_the_explorer_shows_them_escaped(rig):
     pytest.importorskip("bokeh")
-    text = explore(Scenario.load(rig), rig.parent / "page.html", laws=[]).read_text(encoding="utf-8")
+    text = explore(Scenario.load(rig), rig.parent / "page.html", law=[]).read_text(encoding="utf-8")
     assert plain(text)
 
 

@@ -8,7 +8,7 @@ needed=(pytest pytest-xdist hypothesis scipy matplotlib jinja2 pyarrow pandas bo
 trap '"$folder/stop"' EXIT
 # Not here: what needs a browser, Linux's shells, or packages that wine does not load.
 # ruff, which one test calls, is not found by its own package.
-left_out=(tests/site tests/fuzz tests/proofs tests/explore/test_browser.py
+left_out=(tests/site tests/fuzz tests/proofs tests/explorer/test_browser.py
           tests/simulation/test_compiler.py tests/test_published_records.py tests/test_benchmarks.py)
 export PYTHONUTF8=1 STRIBECK_CC=${STRIBECK_CC-none} # UTF-8 for the tests' own reading
 "$folder/winpython" -m pytest -p no:cacheprovider -n auto --dist worksteal -m "not thorough" "${left_out[@]/#/--ignore=}" \

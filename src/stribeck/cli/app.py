@@ -6,24 +6,26 @@ from copy import copy
 
 from typer import Typer
 
+from stribeck.cli import check, design, doctor, explore, export, fit, import_, library, new, predict, run, sweep  # noqa: F401
 from stribeck.cli.options import app
 
-# isort: off
-from stribeck.cli import run as run
-from stribeck.cli import sweep as sweep
-from stribeck.cli import new as new
-from stribeck.cli import explore as explore
-from stribeck.cli import check as check
-from stribeck.cli import design as design
-from stribeck.cli import export as export
-from stribeck.cli import import_ as import_
-from stribeck.cli import library as library
-from stribeck.cli import fit as fit
-from stribeck.cli import predict as predict
-from stribeck.cli import doctor as doctor
-# isort: on
-
 __all__ = ["app", "with_command"]
+
+_ORDER = [
+    "run",
+    "sweep",
+    "new",
+    "explore",
+    "check",
+    "design",
+    "export",
+    "import",
+    "library",
+    "fit",
+    "predict",
+    "doctor",
+]
+app.registered_commands.sort(key=lambda each: _ORDER.index(str(each.name)))
 
 
 def with_command(name: str) -> Typer:

@@ -1,4 +1,4 @@
-"""``stribeck doctor``."""
+"""``stribeck doctor``, also as a function."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import os
 import platform
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from stribeck.cli.options import Json, command
 from stribeck.cli.output import tell
 from stribeck.errors import BuildError, error_text, one_line
+from stribeck.version import __version__
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
@@ -27,11 +29,49 @@ T = TypeVar("T")
 Found = dict[str, object]
 
 
-@command("doctor", "stribeck doctor --json")
-def doctor(json: Json = False) -> int:
-    """Show compiler, cache and versions, and run a self-test."""
-    import stribeck
+@dataclass(frozen=True)
+class Installation:
+    """What :func:`doctor` finds.
 
+    Attributes:
+        passed: whether the self-test passed.
+        lead: the self-test in one sentence.
+        rows: every other part in words.
+        found: the same as plain data.
+    """
+
+    passed: bool
+    lead: str
+    rows: dict[str, str]
+    found: Found
+
+    def to_dict(self) -> Found:
+        """Plain data, as ``stribeck doctor --json`` prints it."""
+        return self.found
+
+    def document(self) -> Document:
+        """The results, in rows."""
+        from stribeck.mouth.document import Chapter, Document, Table
+
+        table = Table(["part", "result"], [list(row) for row in self.rows.items()], prose=True)
+        title = f"stribeck {self.found['stribeck']}"
+        return Document(title, self.lead, (), [Chapter("installation", "Installation", tables=[table])])
+
+
+@command("doctor", "stribeck doctor --json")
+def _command(json: Json = False) -> int:
+    """Show compiler, cache and versions, and run a self-test."""
+    result = doctor()
+    tell(result.document, result.to_dict() if json else None, None)
+    return 0 if result.passed else 1
+
+
+def doctor() -> Installation:
+    """Look at the compiler, the cache and the versions of this installation, and run a self-test.
+
+    Raises:
+        nothing: what cannot be found out is reported with its reason.
+    """
     backend, solver = _tried(_backend, lambda why: (None, f"none: {why}"))
     compiler, c = _tried(_compiler, lambda why: ({"command": None, "version": None}, why))
     cache, kept = _tried(
@@ -44,8 +84,8 @@ def doctor(json: Json = False) -> int:
     packages = {name: _version(name) for name in _PACKAGES}
     python = f"{platform.python_version()} ({sys.executable})"
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
-    data = {
-        "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages, "compiler": compiler,
+    found = {
+        "stribeck": __version__, "python": python, "machine": machine, "packages": packages, "compiler": compiler,
         "backend": backend, "cache": cache, "self_test": test,
     }  # fmt: skip
     rows = {
@@ -53,16 +93,7 @@ def doctor(json: Json = False) -> int:
         "packages": ", ".join(f"{name} {version or 'not installed'}" for name, version in packages.items()),
         "compiler": c, "backend": solver, "cache": kept,
     }  # fmt: skip
-    tell(lambda: _document(f"stribeck {stribeck.__version__}", lead, rows), data if json else None, None)
-    return 0 if test["passed"] else 1
-
-
-def _document(title: str, lead: str, rows: dict[str, str]) -> Document:
-    """The results, in rows."""
-    from stribeck.mouth.document import Chapter, Document, Table
-
-    table = Table(["part", "result"], [list(row) for row in rows.items()], prose=True)
-    return Document(title, lead, (), [Chapter("installation", "Installation", tables=[table])])
+    return Installation(bool(test["passed"]), lead, rows, found)
 
 
 def _tried(what: Callable[[], tuple[T, str]], otherwise: Callable[[str], tuple[T, str]]) -> tuple[T, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +10,6 @@ import typer
 from stribeck.cli.options import Json, Set, Trust, Undetermined, command, output_path, setting
 from stribeck.cli.output import check_file, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
@@ -37,22 +35,17 @@ def explore(
     _undetermined: Undetermined = False,
 ) -> int:
     """Write a page that simulates a scenario in the browser. Sliders change its parameters."""
-    from stribeck.explore import explore as write
-    from stribeck.explore.variants import subject
+    from stribeck.explorer import explore as write
+    from stribeck.explorer.variants import subject
     from stribeck.scenario import parse_assignments
 
     scenario = subject(what, parse_assignments(set_ or []), trust=trust)
-    if out is None:
-        name = re.sub(r"[^\w.-]+", "_", scenario.name).strip("._")
-        out = Path(f"{name or 'explore'}.html")
-    if out.is_dir():
-        raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
-    check_file("--out", out, *([Path(what)] if what is not None else []))
+    if out is not None:
+        check_file("--out", out, *([Path(what)] if what is not None else []))
     with progress("writing the page") as share:
-        write(scenario, out, laws=law, command=command_line(), progress=share)
-    page = out
+        page = write(scenario, out=out, law=law, command=command_line(), progress=share)
     data = {"status": "done", "scenario": scenario.name}
-    tell(lambda: _document(scenario.name, page), data if json else None, [str(out)])
+    tell(lambda: _document(scenario.name, page), data if json else None, [str(page)])
     return 0
 
 

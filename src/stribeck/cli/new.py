@@ -1,9 +1,10 @@
-"""``stribeck new``."""
+"""``stribeck new``, also as a function."""
 
 from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,8 @@ import typer
 
 from stribeck.cli.options import command, flag, output_path, setting
 from stribeck.cli.output import check_file, wrote
-from stribeck.errors import InputError, printable
+from stribeck.errors import InputError, arg, printable
+from stribeck.files import write_text
 
 # What to do with an example, where that is not to run it.
 _NEXT = {
@@ -38,60 +40,79 @@ v_d = 0.02                      # m/s, bristle damping falls with speed; without
 
 
 @command("new", "stribeck new my_rig")
-def new(
+def _command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the file, or of a built-in example.")] = "my_rig",
     out: Annotated[
         Path | None,
         setting("--out", "FILE", "File to write; NAME.toml unless given.", parser=output_path),
     ] = None,
-    show_list: Annotated[bool, flag("--list", "List the built-in examples.")] = False,
+    list: Annotated[bool, flag("--list", "List the built-in examples.")] = False,
     schema: Annotated[
         bool,
         flag("--schema", "Write the JSON Schema, with which editors complete and check scenario files."),
     ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""
-    from stribeck import examples
-    from stribeck.files import write_text
+    files = new(name, out, list=list, schema=schema)
+    if list:
+        for file in files:
+            first = file.read_text(encoding="utf-8").splitlines()[0]
+            print(f"{file.stem:14} {first.lstrip('# ')}")
+    elif schema:
+        wrote(files, f"; many editors use it where a scenario begins with the line: #:schema {files[0]}")
+    else:
+        wrote(files)
+        following = _NEXT.get(_example(name), "stribeck run {target} --out {stem}").format(
+            target=shlex.quote(str(files[-1])), stem=shlex.quote(files[-1].stem)
+        )
+        print(printable(f"next: {following}"))
+    return 0
 
-    if show_list:
-        for example in examples.names():
-            first = examples.path(example).read_text(encoding="utf-8").splitlines()[0]
-            print(f"{example:14} {first.lstrip('# ')}")
-        return 0
+
+def new(name: str = "my_rig", out: str | Path | None = None, *, list: bool = False, schema: bool = False) -> list[Path]:
+    """Write a commented scenario file to start from.
+
+    Args:
+        name: of the file, or of a built-in example, which is copied with its recordings.
+        out: the file to write; NAME.toml unless given.
+        list: write nothing, and return the files of the built-in examples.
+        schema: write the JSON Schema instead, with which editors complete and check scenario files.
+
+    Returns:
+        The files that were written, the scenario last.
+
+    Raises:
+        InputError: the name is none for a file, or a file exists already or cannot be written.
+    """
+    from stribeck import examples
+
+    if list:
+        return [examples.path(example) for example in examples.names()]
     if schema:
-        return _schema(out)
-    if not re.fullmatch(r"[A-Za-z0-9][\w .-]*", name):
-        raise InputError(f"NAME: {name!r}: must be letters, digits, '_', '-', '.' and spaces")
-    name = name.removesuffix(".toml")
-    example = name.replace("-", "_")
+        from stribeck.scenario import schema as json_schema
+
+        return _write({Path(out or json_schema.FILE): json_schema.text()})
+    if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][\w .-]*", name)):
+        raise InputError(f"{arg('name')}: {name!r}: must be letters, digits, '_', '-', '.' and spaces")
+    example, target = _example(name), Path(out or f"{name.removesuffix('.toml')}.toml")
     known = example in examples.names()
     text = examples.path(example if known else _START).read_text(encoding="utf-8")
     if not known:
-        text = _BEGIN.format(name=name) + text[text.index("[law.parameters]") :]
-    target = out or Path(f"{name}.toml")
+        text = _BEGIN.format(name=name.removesuffix(".toml")) + text[text.index("[law.parameters]") :]
     belonging = examples.companions(example) if known else []
-    copies = {target.parent / data.name.replace(f"{example}.", f"{target.stem}."): data for data in belonging}
-    for path in (target, *copies):
-        check_file("--out", path, new=True)
-    for path, data in copies.items():
-        write_text(path, data.read_text(encoding="utf-8"))
-        wrote([path])
-    write_text(target, text)
-    following = _NEXT.get(example, "stribeck run {target} --out {stem}").format(
-        target=shlex.quote(str(target)), stem=shlex.quote(target.stem)
-    )
-    wrote([target])
-    print(printable(f"next: {following}"))
-    return 0
+    copies = {target.parent / x.name.replace(f"{example}.", f"{target.stem}."): x.read_text("utf-8") for x in belonging}
+    return _write({**copies, target: text})
 
 
-def _schema(out: Path | None) -> int:
-    from stribeck.files import write_text
-    from stribeck.scenario import schema
+def _example(name: str) -> str:
+    """The built-in example that a name would be."""
+    return name.removesuffix(".toml").replace("-", "_")
 
-    target = out or Path(schema.FILE)
-    check_file("--out", target, new=True)
-    write_text(target, schema.text())
-    wrote([target], f"; many editors use it where a scenario begins with the line: #:schema {target}")
-    return 0
+
+def _write(texts: Mapping[Path, str]) -> list[Path]:
+    """Write new files; none if one of them cannot be written."""
+    for path in texts:
+        check_file(arg("out"), path, new=True)
+    for path, text in texts.items():
+        write_text(path, text)
+    return [*texts]

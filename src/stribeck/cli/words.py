@@ -6,7 +6,12 @@ from stribeck.errors import EXTRAS, MissingExtra, StribeckError, one_line, remed
 
 # Where an option is not called as the argument: the rest is --argument with dashes.
 _WORDS = {"data": "DATA", "forms": "--no-forms"}
-_POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
+_POSITIONAL = {
+    "name": ("new",),
+    "what": ("explore",),
+    "law": ("check", "export"),
+    "scenario": ("run", "sweep", "design"),
+}
 
 # The extra that has all a command needs, where one of its packages comes with another one too.
 _EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "export": "fmu"}

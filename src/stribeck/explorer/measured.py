@@ -17,7 +17,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
-from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
+from stribeck.explorer.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import entry_at
 from stribeck.simulation.native import solver_input

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from stribeck import examples
-from stribeck.explore import explore
+from stribeck.explorer import explore
 from stribeck.scenario import Scenario
 
 LAWS = ("lugre", "elastoplastic")
@@ -21,7 +21,7 @@ def scenario():
 def built(scenario, tmp_path_factory):
     pytest.importorskip("bokeh")
     # two runs of one tolerance agree as far as that goes: at the usual 1e-8 F to some 4e-9 of its peak
-    return explore(scenario, tmp_path_factory.mktemp("page") / "page.html", LAWS, "stribeck explore stick_slip.toml")
+    return explore(scenario, tmp_path_factory.mktemp("page") / "page.html", LAWS, command="stribeck explore stick_slip")
 
 
 @pytest.fixture(scope="session")

@@ -7,9 +7,9 @@ from itertools import groupby
 
 from stribeck.constants import Column
 from stribeck.errors import printable, unbroken
-from stribeck.explore.appendix import machine_relations
-from stribeck.explore.figures import Chart, Series
-from stribeck.explore.measured import Measured
+from stribeck.explorer.appendix import machine_relations
+from stribeck.explorer.figures import Chart, Series
+from stribeck.explorer.measured import Measured
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario

@@ -114,7 +114,7 @@ def test_the_page_says_what_to_drag(page):
 
 def test_a_machine_moves_with_its_numbers(browser, tmp_path):
     from stribeck import examples
-    from stribeck.explore import explore
+    from stribeck.explorer import explore
 
     scenario = Scenario.load(examples.path("belt"), {"solve.rtol": 1e-10, "solve.t_end": 2.0})
     browser.get(explore(scenario, tmp_path / "belt.html").as_uri())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from os.path import isfile
+from pathlib import Path
 
 from stribeck import examples, laws, parameter_sets
 from stribeck.errors import InputError, StribeckNote
@@ -27,21 +28,26 @@ _GUESSES: dict[str, Callable[[Mapping[str, float]], float]] = {
 }
 
 
-def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Scenario:
-    """The scenario to explore: a file's, or the built-in stick-slip run under a law.
+def subject(
+    given: Scenario | str | Path | Mapping[str, object] | None,
+    changes: Mapping[str, object] | None = None,
+    trust: bool = False,
+) -> Scenario:
+    """The scenario to explore: as it is, a file's, or the built-in stick-slip run under a law.
 
     Raises:
         InputError: there is no such file or law.
     """
-    if given is not None and (given.endswith(".toml") or isfile(given)):  # noqa: PTH113 (Path raises for long names)
-        scenario = Scenario.load(given, changes, trust=trust)
-    else:
-        # in the working directory, from where a law in a file is seen
-        scenario = Scenario(read_toml(examples.path("stick_slip")))
-        if given is not None:
-            scenario = under(scenario, laws.find(given))
-        scenario = scenario.with_changes(changes) if changes else scenario
-    return scenario
+    if isinstance(given, Scenario | Mapping):
+        return Scenario.of(given)
+    is_name = isinstance(given, str) and not (given.endswith(".toml") or isfile(given))  # noqa: PTH113 (Path raises for long names)
+    if isinstance(given, str | Path) and not is_name:
+        return Scenario.load(given, changes, trust=trust)
+    # in the working directory, from where a law in a file is seen
+    scenario = Scenario(read_toml(examples.path("stick_slip")))
+    if given is not None:
+        scenario = under(scenario, laws.find(given))
+    return scenario.with_changes(changes) if changes else scenario
 
 
 def measured_whole(scenario: Scenario) -> bool:

@@ -11,10 +11,11 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
+from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed, printable, unbroken
-from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
-from stribeck.explore.figures import Chart, figures, panels
-from stribeck.explore.machine import (
+from stribeck.explorer.appendix import CLAIMS, appendix, columns, machine_appendix, relations
+from stribeck.explorer.figures import Chart, figures, panels
+from stribeck.explorer.machine import (
     machine_data,
     machine_law,
     machine_panels,
@@ -22,11 +23,11 @@ from stribeck.explore.machine import (
     path_of_constant,
     structure,
 )
-from stribeck.explore.measured import measured
-from stribeck.explore.numbers import MOST_POINTS, beside_law, of_law
-from stribeck.explore.variants import measured_whole, variants
+from stribeck.explorer.measured import measured
+from stribeck.explorer.numbers import MOST_POINTS, beside_law, of_law
+from stribeck.explorer.variants import measured_whole, subject, variants
 from stribeck.expressions.pretty import name as symbol_name
-from stribeck.files import write_text
+from stribeck.files import trouble, write_text
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
@@ -37,27 +38,35 @@ from stribeck.waveforms import PointsSignal
 
 
 def explore(
-    scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None,
+    what: Scenario | str | Path | Mapping[str, object] | None = None, out: str | Path | None = None,
+    law: Iterable[str] | None = None, *, command: str = "", progress: Callable[[float], None] | None = None,
 ) -> Path:  # fmt: skip
-    """Write one HTML file with sliders that simulates the scenario in the browser.
+    """Write one HTML file with sliders that simulates a scenario in the browser.
 
     Args:
-        scenario: the scenario.
-        out: the file.
-        laws: names of the laws offered beside its own; all of the package unless given.
+        what: a scenario or a machine's scenario, its file or its tables; or a law's name for the built-in stick-slip run.
+        out: the file; NAME.html unless given.
+        law: names of the laws offered beside its own; all of the package unless given.
         command: the command that makes the page, for its foot.
         progress: called with the share of built modules, 0 to 1.
 
+    Returns:
+        The file.
+
     Raises:
         MissingExtra: if bokeh is not installed.
-        InputError: if a law is unknown, or cannot use the scenario's numbers.
+        InputError: if the scenario is not valid, a law is unknown, or a law cannot use the scenario's numbers.
     """
+    scenario = subject(what)
+    name = re.sub(r"[^\w.-]+", "_", scenario.name).strip("._")
+    out = Path(out or f"{name or 'explore'}.html")
+    if text := trouble(out, parents=False):
+        raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
     library = _library()
     if measured_whole(scenario):
-        data, shown, sections = _machine(scenario, laws), machine_panels(scenario), machine_sections(scenario)
+        data, shown, sections = _machine(scenario, law), machine_panels(scenario), machine_sections(scenario)
     else:
-        data, shown, sections = _under_laws(scenario, laws, progress), panels(scenario), _SECTIONS
+        data, shown, sections = _under_laws(scenario, law, progress), panels(scenario), _SECTIONS
     write_text(out, _fill(scenario, data, shown, sections, library, command))
     return out
 
@@ -226,4 +235,4 @@ def _compressed(content: bytes) -> str:
 
 
 def _asset(name: str) -> str:
-    return resources.files("stribeck.explore").joinpath("assets", name).read_text(encoding="utf-8")
+    return resources.files("stribeck.explorer").joinpath("assets", name).read_text(encoding="utf-8")

@@ -4,9 +4,9 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.constants import Constant
-from stribeck.explore.measured import _narrower
-from stribeck.explore.numbers import beside_law, number_of
-from stribeck.explore.page import _tables
+from stribeck.explorer.measured import _narrower
+from stribeck.explorer.numbers import beside_law, number_of
+from stribeck.explorer.page import _tables
 from tests.scenario.valid_scenarios import VALID
 
 

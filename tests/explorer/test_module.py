@@ -9,13 +9,13 @@ import pytest
 pytest.importorskip("wasmtime")
 
 from stribeck import Scenario, examples, parameter_sets, simulate
-from stribeck.explore.appendix import CLAIMS, appendix, columns
-from stribeck.explore.page import layout, shape
-from stribeck.explore.variants import subject, under, variants
+from stribeck.explorer.appendix import CLAIMS, appendix, columns
+from stribeck.explorer.page import layout, shape
+from stribeck.explorer.variants import subject, under, variants
 from stribeck.laws import builtin, find
 from stribeck.simulation.promise import step_share
 from stribeck.simulation.wasm import with_functions
-from tests.explore.module import Module
+from tests.explorer.module import Module
 
 
 def module_of(scenario):

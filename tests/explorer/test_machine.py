@@ -10,9 +10,9 @@ pytest.importorskip("wasmtime")
 pytest.importorskip("bokeh")
 
 from stribeck import Scenario, examples, simulate
-from stribeck.explore import explore
-from stribeck.explore.measured import arrays_of, measured, moved
-from tests.explore.module import MachineModule
+from stribeck.explorer import explore
+from stribeck.explorer.measured import arrays_of, measured, moved
+from tests.explorer.module import MachineModule
 from tests.machine.test_servo import MACHINE as PISTON
 
 TURNED = {
