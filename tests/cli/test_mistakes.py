@@ -42,7 +42,7 @@ def test_a_name_that_opens_a_script_within_the_pages_data(stribeck, scenario, tm
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
-@pytest.mark.parametrize("name", ["make_ready", "_command"])
+@pytest.mark.parametrize("name", ["make_ready", "_status"])
 def test_a_signal_while_the_command_is_made_ready(name):
     """It ended in a traceback and status 1 (3 of 187 that came in the first second)."""
     code = (
