@@ -9,9 +9,9 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate
 from stribeck.cli import _status
+from stribeck.machine.elements.bodies.cylinder import Piston
 from stribeck.machine.elements.contacts import Factor, Raise
 from stribeck.machine.elements.controllers import Compensation, Sampling
-from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.reading import family_of
 from stribeck.scenario import schematic

@@ -15,7 +15,7 @@ from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
 from stribeck.loops.gains import at_speed, damping, decay
 from stribeck.loops.proof import ERRORS, derive
-from stribeck.machine.elements.pressure_cascade import PressureCascade
+from stribeck.machine.elements.controllers.pressure_cascade import PressureCascade
 from stribeck.machine.pneumatic.cascade import energy
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
-from stribeck.machine.elements.cylinder import GAS
-from stribeck.machine.elements.pressure_cascade import GAINS
+from stribeck.machine.elements.bodies.cylinder import GAS
+from stribeck.machine.elements.controllers.pressure_cascade import GAINS
 from stribeck.machine.pneumatic import cascade
 from stribeck.machine.pneumatic.cylinder import Cylinder
 from stribeck.machine.pneumatic.observer import observe

@@ -13,7 +13,7 @@ from stribeck.errors import InputError
 from stribeck.loops.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.loops.lyapunov import Along, along, gains_of
 from stribeck.loops.proof import derive
-from stribeck.machine.elements.pressure_cascade import PressureCascade, not_linear
+from stribeck.machine.elements.controllers.pressure_cascade import PressureCascade, not_linear
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 

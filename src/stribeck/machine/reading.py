@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from importlib import import_module
+from pkgutil import iter_modules
 
 from pydantic import ValidationError
 
@@ -33,17 +35,13 @@ _NAME = re.compile(r"[A-Za-z0-9_]+")
 _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
 
 
-# The module of each section's tables, and a class there: of bodies and controllers the kind that is defined last.
-_FAMILIES = {
-    "bodies": ("cylinder", "Piston"), "links": ("links", "Link"), "contacts": ("contacts", "Contact"),
-    "loads": ("loads", "Load"), "motors": ("motors", "Motor"), "controllers": ("pressure_cascade", "PressureCascade"),
-}  # fmt: skip
-
-
+@cache
 def family_of(section: str) -> type[Element]:
-    """The class of the tables of a section; imported when a machine has one, for each costs some milliseconds of a start."""
-    module, name = _FAMILIES[section]
-    family: type[Element] = getattr(import_module(f"stribeck.machine.elements.{module}"), name).family
+    """The class of a section's tables, imported at first use as it costs some milliseconds; modules inside are further kinds."""
+    home = import_module(f"stribeck.machine.elements.{section}")
+    for module in iter_modules(getattr(home, "__path__", ()), f"{home.__name__}."):
+        import_module(module.name)
+    family: type[Element] = next(x.family for x in vars(home).values() if getattr(x, "section", None) == section)
     return family
 
 

@@ -10,7 +10,7 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.laws.base import Law
 from stribeck.machine.elements.bodies import Body
-from stribeck.machine.elements.cylinder import Piston
+from stribeck.machine.elements.bodies.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
 from stribeck.mouth.document import Document, Told

@@ -16,11 +16,11 @@ from stribeck import laws, parameter_sets
 from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.machine.element import SECTIONS
+from stribeck.machine.elements.bodies.cylinder import Piston
 from stribeck.machine.elements.contacts import Deflected
 from stribeck.machine.elements.controllers import Pid
-from stribeck.machine.elements.cylinder import Piston
+from stribeck.machine.elements.controllers.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.elements.links import Link
-from stribeck.machine.elements.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.law import LAW
 from stribeck.machine.pneumatic.observer import ETA, SCALES, Z_HAT
 from stribeck.machine.reading import family_of

@@ -167,7 +167,7 @@ def constants_of(kind: str) -> tuple[str, ...]:
     """The keys of [drive] beside kind and signal, by its kind."""
     if kind != "cascade":
         return CONSTANTS[kind]
-    from stribeck.machine.elements.pressure_cascade import PressureCascade  # costs a start some milliseconds
+    from stribeck.machine.elements.controllers.pressure_cascade import PressureCascade  # some milliseconds of a start
 
     return tuple(key for key in PressureCascade.file_keys() if key not in ("kind", "on", "signal"))
 

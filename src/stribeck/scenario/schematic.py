@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from stribeck.errors import printable
 from stribeck.machine.element import BetweenBodies
-from stribeck.machine.elements.pressure_cascade import PressureCascade
+from stribeck.machine.elements.controllers.pressure_cascade import PressureCascade
 from stribeck.machine.machine import Elements
 
 _LISTS = ("amplitude", "waves", "phase")

@@ -1,6 +1,6 @@
 """The equations of the cascade of the paper's section 5, with its printing errors put right (docs/explanation/servo.md).
 
-``machine/elements/pressure_cascade.py`` is the controller made of them.
+``machine/elements/controllers/pressure_cascade.py`` is the controller made of them.
 """
 
 from __future__ import annotations

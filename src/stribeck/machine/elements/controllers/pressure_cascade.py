@@ -20,8 +20,8 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, sqrt, where
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law, Scales
 from stribeck.machine.element import GROUND, State
+from stribeck.machine.elements.bodies.cylinder import GAS, Piston
 from stribeck.machine.elements.controllers import AnyController, Courses
-from stribeck.machine.elements.cylinder import GAS, Piston
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.equations import Sample
 from stribeck.machine.law import Friction, problems_below, read_law

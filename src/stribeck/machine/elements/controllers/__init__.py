@@ -39,7 +39,7 @@ from stribeck.waveforms.pieces import Reference
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
-    from stribeck.machine.elements.cylinder import Piston
+    from stribeck.machine.elements.bodies.cylinder import Piston
     from stribeck.machine.machine import Elements
     from stribeck.machine.reading import Draft
 
