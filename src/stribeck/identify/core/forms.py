@@ -56,6 +56,7 @@ _LAW_AT = {
     "level by pressure column": "pressure 0", "F_c_by_pressure": "pressure 0",
 }  # fmt: skip
 Key = tuple[str, str]  # form, column
+Filter = tuple[Array, Array]  # numerator and denominator in z
 Column = Callable[..., Any]  # without arguments
 
 
@@ -105,18 +106,18 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     columns |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
     runs = list(log.runs())
     if at.late:
-        of_filter = filtered(at.late)
-        columns[f"force filter {1e3 * at.late:.2f}", ""] = lambda: behind(load + friction, runs, log.step, *of_filter)
+        name = f"force filter {1e3 * at.late:.2f}"
+        columns[name, ""] = lambda: behind(load + friction, runs, filtered(at.late, log.step))
     if at.swing:
         of_swing = coupling(*at.swing, log.step)
-        columns[f"coupling {at.swing[0]:.1f}", ""] = lambda: behind(log.acceleration, runs, log.step, *of_swing)
+        columns[f"coupling {at.swing[0]:.1f}", ""] = partial(behind, log.acceleration, runs, of_swing)
     if at.turns:
         widths = (*at.plays, *WIDTHS)
         columns |= {
             (f"play {np.format_float_positional(w)}", ""): lambda w=w: direction_along(log, w * at.way) - np.sign(v)
             for w in widths
         }
-        columns |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
+        columns |= {(f"lag {n}", ""): partial(behind, sign, runs, lag(n * at.step, log.step)) for n in LAGS}
     columns |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
     columns |= _of_place(log, sign, at)
     for name in ("load", "pressure"):
@@ -168,27 +169,32 @@ def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
     return [f"{', '.join(names)}: the range covers {in_words(cause)}." for cause, names in causes.items()]
 
 
-def filtered(time: float) -> tuple[list[float], list[float]]:
-    """A filter of first order, as numerator and denominator in s."""
-    return [1.0], [time, 1.0]
+def filtered(time: float, step: float) -> Filter:
+    """A filter of first order."""
+    return bilinear([1.0], [time, 1.0], 1 / step)
 
 
-def coupling(hertz: float, damping: float, step: float) -> tuple[list[float], list[float]]:
-    """The acceleration of a mass behind that of the drive which carries it along, as numerator and denominator in s.
+def lag(time: float, step: float) -> Filter:
+    """A filter of first order whose input is constant within a step, as a sign is."""
+    keep = float(np.exp(-step / time))
+    return np.array([1 - keep]), np.array([1.0, -keep])
+
+
+def coupling(hertz: float, damping: float, step: float) -> Filter:
+    """The acceleration of a mass behind that of the drive which carries it along.
 
     Args:
         hertz: the resonance of the mass on the coupling; ``damping``: its ratio.
     """
     w = 2 / step * np.tan(np.pi * min(hertz * step, HIGHEST))  # prewarped for the bilinear transform
-    return [2 * damping * w, w * w], [1.0, 2 * damping * w, w * w]
+    return bilinear([2 * damping * w, w * w], [1.0, 2 * damping * w, w * w], 1 / step)
 
 
-def behind(x: Array, runs: Iterable[slice], step: float, numerator: list[float], denominator: list[float]) -> Array:
+def behind(x: Array, runs: Iterable[slice], of_filter: Filter) -> Array:
     """What a filter adds to a series (rows first); each run begins in the steady state of its first row."""
-    b, a = bilinear(numerator, denominator, 1 / step)
-    out, still = np.empty(x.shape), lfilter_zi(b, a)
+    out, still = np.empty(x.shape), lfilter_zi(*of_filter)
     for run in runs:
-        out[run] = lfilter(b, a, x[run], axis=0, zi=np.multiply.outer(still, x[run][0]))[0]
+        out[run] = lfilter(*of_filter, x[run], axis=0, zi=np.multiply.outer(still, x[run][0]))[0]
     return out - x
 
 
@@ -250,7 +256,8 @@ def sliding(log: Log, at: Anchor, names: Sequence[str]) -> Array:
         if kind == "play":
             part = part * (abs(direction_along(log, float(width[0]) * at.way)) >= 1)
         elif kind == "lag":
-            part = part * (1 - abs(_lagging(log, sign, float(width[0]) * at.step)) / 2)
+            behind_sign = behind(sign, log.runs(), lag(float(width[0]) * at.step, log.step))
+            part = part * (1 - abs(behind_sign) / 2)
     return np.asarray(part)
 
 
@@ -288,10 +295,3 @@ def _rate(log: Log, x: Array) -> Array:
     for run in log.runs():
         out[run] = np.gradient(x[run]) if run.stop - run.start > 1 else 0.0
     return out
-
-
-def _lagging(log: Log, x: Array, time: float) -> Array:
-    out, keep = np.empty(len(x)), np.exp(-log.step / time)
-    for run in log.runs():
-        out[run] = lfilter([1 - keep], [1, -keep], x[run], zi=[keep * x[run][0]])[0]
-    return out - x

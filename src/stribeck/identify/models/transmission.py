@@ -45,7 +45,7 @@ class Transmission:
         """The columns at the compared rows behind a filter of the force; 0 for none."""
         columns = self.columns
         if time:
-            columns = columns + behind(columns, self.runs, self.step, *filtered(time))
+            columns = columns + behind(columns, self.runs, filtered(time, self.step))
         return np.asarray(columns[self.record.counted])
 
     def force_filter(self) -> float:
@@ -69,7 +69,7 @@ class Transmission:
 
         def left(log_hertz: float, damping: float) -> float:
             of_filter = coupling(float(np.exp(log_hertz)), damping, self.step)
-            column = behind(self.acceleration, self.runs, self.step, *of_filter)[self.record.counted]
+            column = behind(self.acceleration, self.runs, of_filter)[self.record.counted]
             return -_explained(column, basis, residual)
 
         high = min(HIGHEST / self.step, self.record.log.bandwidth or np.inf)
