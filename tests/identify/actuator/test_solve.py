@@ -90,7 +90,7 @@ def test_exact_slopes_would_move_no_number():
     assert np.all(abs(left_step(problem, u, r, J) - left_step(problem, u, r, exact)) < 0.02 * spread(exact, width))
 
 
-@pytest.mark.parametrize("by", [None, [1]])
+@pytest.mark.parametrize("by", [(), [1]])
 def test_slopes_go_the_other_way_at_bounds_and_where_nothing_can_be_simulated(by):
     A = np.array([[1.0, 2.0], [3.0, -1.0], [0.5, 4.0]])
 

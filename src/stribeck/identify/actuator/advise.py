@@ -118,7 +118,7 @@ def _information(
     noise = dict.fromkeys((t.column for t in run.targets), 1.0) | problem.noise
     single = MachineProblem([run], sought, noise, threads=problem.threads)
     try:
-        r, J = single.slopes(point[None], np.full(len(point), 10 * STEP))
+        r, J = single.slopes(point[None], 10 * STEP)
         moved = single.residuals(single.repaired(point + moves[:, concerned])) - r
     except InputError:
         return None

@@ -18,7 +18,7 @@ from stribeck.scenario import Scenario
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
 _OUTPUT = re.compile(r"outputs\.(.+)\.(\w+)")
-_DECADES = 2.5  # positive bounds whose ratio exceeds it are searched in the logarithm: there relative steps are even
+_RATIO = 2.5  # positive bounds whose ratio exceeds it are searched in the logarithm: there relative steps are even
 _ABOVE = 1e-6  # of F_c: the least distance of F_s above it, far above rounding
 _BELOW = 0.95  # of F_c/sigma_0: the largest z_ba, so that differences of either number stay below 1
 SPEED = "m/s"  # the unit of a law's constants that are places of its curve
@@ -55,7 +55,7 @@ class MachineCoordinate:
     @property
     def logarithmic(self) -> bool:
         """Whether it is searched in the logarithm."""
-        return not self.plain and self.low > 0 and self.high / self.low > _DECADES
+        return not self.plain and self.low > 0 and self.high / self.low > _RATIO
 
     @property
     def bounds(self) -> tuple[float, float]:

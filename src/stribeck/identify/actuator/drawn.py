@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import left_step
-from stribeck.identify.features.filtering import typical_roughness
+from stribeck.identify.features.filtering import roughness
 from stribeck.waveforms import Signal
 
 _ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
@@ -91,7 +91,7 @@ def _extrapolated(problem: MachineProblem, step: Array) -> Array:
 
 def _newton(problem: MachineProblem, u: Array) -> Array:
     """The Gauss-Newton step."""
-    r, J = problem.slopes(u[None], np.full(len(u), problem.step))
+    r, J = problem.slopes(u[None])
     return left_step(problem, u, r[0], J[0])
 
 
@@ -99,7 +99,7 @@ def _by_noise(problem: MachineProblem, u: Array) -> Array | None:
     """Changes of the residuals by each recorded input's noise, given or estimated from sample to sample without steps."""
     sizes = []
     for run in problem.runs:
-        noise = {p: typical_roughness([x.x], _ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
+        noise = {p: x.noise or roughness([x.x], _ORDER, typical=True) for p, x in run.inputs.items()}
         sizes.append({p: size for p, size in noise.items() if size > 0})
     if not any(sizes):
         return None

@@ -16,7 +16,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.runs import rms
-from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
+from stribeck.identify.actuator.solve import HUGE, ROUGHLY, half_squares, moved_over, search, settled
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.work import Stopped, Work
@@ -234,7 +234,7 @@ def _weighted(best: BestPoint) -> BestPoint:
     problem = best.problem
     try:
         for _ in range(_WEIGHTINGS):
-            if best.stopped or half_squares(problem.residuals(best.u[None]))[0] > 1e200:
+            if best.stopped or half_squares(problem.residuals(best.u[None]))[0] >= HUGE:
                 break
             best.u = settled(problem, best.u)
             old, plain = problem.deviations(), not problem.colored

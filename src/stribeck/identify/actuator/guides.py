@@ -15,8 +15,8 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.runs import roughness
 from stribeck.identify.data.smoother import encoder_step, smooth
+from stribeck.identify.features.filtering import roughness
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 

@@ -265,7 +265,7 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
         added.append(MachineCoordinate(path, low, high, x, None, {path: 1.0}))
     whole = replace(problem, sought=[*problem.sought, *added])
     there = np.append(u, [c.inner(fixed[c.name]) for c in added])
-    J = whole.slopes(there[None], np.full(len(there), whole.step), range(len(u), len(there)))[1][0]
+    J = whole.slopes(there[None], by=range(len(u), len(there)))[1][0]
     for c, slopes in zip(added, J.T, strict=True):
         x = fixed[c.name]
         yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x), c.name)

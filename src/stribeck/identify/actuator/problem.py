@@ -171,16 +171,16 @@ class MachineProblem:
         self._cache[k] = dict(list({**cached, **here}.items())[-room:]) if room else {}
         return np.array([here[key] for key in keys])
 
-    def slopes(self, U: Array, step: Array, by: Sequence[int] | None = None) -> tuple[Array, Array]:
+    def slopes(self, U: Array, step: Array | float | None = None, by: Sequence[int] = ()) -> tuple[Array, Array]:
         """Residuals (points, residuals) and Jacobians (points, residuals, coordinates), by differences within the bounds.
 
         Where the simulation to one side fails, the difference is taken to the other.
 
         Args:
-            by: the coordinates of the Jacobian; all unless given.
+            step: of the differences; the problem's unless given. ``by``: the coordinates of the Jacobian; all unless given.
         """
-        U = np.atleast_2d(U)
-        columns = np.arange(U.shape[1]) if by is None else np.asarray(by)
+        U, step = np.atleast_2d(U), self.step if step is None else step
+        columns = np.asarray(by or range(U.shape[1]))
         count, n = len(U), len(columns)
         side = np.where(U + step <= self.high, 1.0, -1.0)
         side[:, self._relations.lower()] = -1.0

@@ -9,9 +9,10 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.runs import rms, roughness
+from stribeck.identify.actuator.runs import least_step, rms
 from stribeck.identify.actuator.whitening import prediction_filter
 from stribeck.identify.core.judging import EXPLAINED
+from stribeck.identify.features.filtering import roughness
 
 _FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
 _AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
@@ -42,9 +43,8 @@ def noise_of(problem: MachineProblem, column: str) -> float:
 
 def floor_of(problem: MachineProblem, column: str) -> float:
     """The least noise of a column: its quantization noise."""
-    steps = [np.diff(np.unique(t.x)).min(initial=np.inf) for _, t, _ in problem.pieces if t.column == column]
-    least = min(steps, default=np.inf)
-    return float(least / np.sqrt(12)) if np.isfinite(least) else 0.0
+    steps = [least_step(t.x) for _, t, _ in problem.pieces if t.column == column]
+    return float(min(filter(None, steps), default=0.0) / np.sqrt(12))
 
 
 def by_column(problem: MachineProblem, r: Array) -> dict[str, list[Array]]:

@@ -172,11 +172,9 @@ def solver(scenario: Scenario, threads: int) -> LaneSolver:
         raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
 
 
-def roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The noise of a column's pieces from their differences of this order. A higher order removes more of the motion."""
-    differences = [np.diff(x, order) for x in parts if len(x) > order]
-    rough = np.concatenate(differences) if differences else np.zeros(1)
-    return float(np.sqrt(np.mean(rough**2) / math.comb(2 * order, order)))
+def least_step(x: Array) -> float:
+    """The least difference of two values of a column, such as its quantization; 0 of a constant."""
+    return float(np.diff(np.unique(x)).min()) if np.ptp(x) > 0 else 0.0
 
 
 def rms(parts: Sequence[Array]) -> float:

@@ -20,7 +20,7 @@ _KEEP = (10, 10, 6, 4, 3, 2, 2, 1)  # starts that take each step: a poor one sel
 _WIDE = 4  # starts that a comparison converges: the next best may lead to a better minimum
 _STEPS, ROUGH_STEPS = 40, 12  # of a search, and of one that only compares
 SMALL, ROUGHLY = 1e-7, 1e-4  # relative reduction of the cost below which a search ends; far from the optimum
-_HUGE = 1e300  # the cost of a point that cannot be simulated: it compares, and is no infinity
+HUGE = 1e300  # the cost of a point that cannot be simulated: it compares, and is no infinity
 _CHANGE = 3.0  # deviations, by which a step of differences changes the residuals: there the cost is still a parabola
 _SHORTEST, _LONGEST = 1e-5, 2e-2  # steps of a coordinate: above the solver's noise, below the next minimum
 _SETTLING, _PARTS = 20, (1.0, 0.25, 0.06)  # final steps; tried parts of each
@@ -46,7 +46,7 @@ def half_squares(r: Array) -> Array:
     """Half the sum of squares of each row, infinite where a simulation failed."""
     with np.errstate(all="ignore"):
         total = 0.5 * np.sum(np.square(r), axis=-1)
-    return np.where(np.isfinite(total), total, _HUGE)
+    return np.where(np.isfinite(total), total, HUGE)
 
 
 def search(
@@ -65,7 +65,7 @@ def search(
     begin = problem.start() if first is None else first
     if not problem.sought:  # a machine without its friction, for comparison
         return Found(begin, float(half_squares(problem.residuals(begin[None]))[0]))
-    best = Found(begin, _HUGE, 1, True)
+    best = Found(begin, HUGE, 1, True)
     try:
         U = problem.repaired(_spread_over_bounds(problem, begin, starts, seed))
         costs = half_squares(problem.residuals(U))
@@ -78,7 +78,7 @@ def search(
         for step in range(steps):
             i = int(np.argmin(costs))
             best = Found(U[i].copy(), float(costs[i]), agreeing(costs, costs[i]), True)
-            if costs[i] >= _HUGE and step:
+            if costs[i] >= HUGE and step:
                 break
             U, new, damping, apart = _step(problem, U, costs, damping, apart)
             fall = costs - new
@@ -165,7 +165,7 @@ def fine_slopes(problem: MachineProblem, u: Array, near: Array | None = None) ->
     a new compiled system for each set of fitted parameters.
     """
     if near is None:
-        near = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
+        near = problem.slopes(u[None])[1][0]
     return problem.central(u, steps_of(near, _LONGEST))
 
 
@@ -220,7 +220,7 @@ def moved_over(problem: MachineProblem, u: Array) -> Array:
         starts = np.repeat(u[None], _PLACES, axis=0)
         starts[:, i] = problem.low[i] + width[i] * (np.arange(_PLACES) + 0.5) / _PLACES
         starts = problem.repaired(starts)
-        r, J = problem.slopes(starts, np.full(len(u), problem.step))
+        r, J = problem.slopes(starts)
         tried, costs = _tried(problem, starts, r, J, np.tile(_FAINT, (_PLACES, 1)), 1.0)
         best = np.unravel_index(int(np.argmin(costs)), costs.shape)
         if costs[best] < half_squares(problem.residuals(u[None]))[0]:

@@ -10,7 +10,8 @@ import numpy as np
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import FAR, Channel, Recording
-from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, recorded_run, roughness
+from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, least_step, recorded_run
+from stribeck.identify.features.filtering import roughness
 from stribeck.scenario import Scenario
 
 _FEWEST = 4  # samples for the estimate of a state: a parabola takes three
@@ -62,9 +63,7 @@ def state_at(channel: Channel) -> tuple[float, float, float, float]:
         rough = float(np.sqrt(left @ left / max(len(s) - 3, 1)))
         if rough <= _BENDS * noise or count <= _FEWEST:
             break
-    step = np.diff(np.unique(x[near])).min(initial=np.inf)
-    rough = max(rough, step / 3 if np.isfinite(step) else 0.0)
-    spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
+    spread = max(rough, least_step(x[near]) / 3) * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
     spread[:2] += np.ptp(x[near]) / FAR  # the motion may bend more than a parabola: bounds must not cut it off
     return float(parabola[0]), float(parabola[1] / span), float(spread[0]), float(spread[1] / span)
 
@@ -72,8 +71,8 @@ def state_at(channel: Channel) -> tuple[float, float, float, float]:
 def moves(channel: Channel) -> bool:
     """Whether the first samples of a measured position or speed show a motion: a large range or a significant slope."""
     good = channel.x[np.isfinite(channel.x)]
-    x, steps = good[:FIRST_SAMPLES], np.diff(np.unique(good)).min(initial=np.inf)
-    noise = max(roughness([x]), float(steps) / np.sqrt(12) if np.isfinite(steps) else 0.0, channel.noise or 0.0)
+    x = good[:FIRST_SAMPLES]
+    noise = max(roughness([x]), least_step(good) / np.sqrt(12), channel.noise or 0.0)
     if not np.ptp(x) > 0:
         return False
     index = np.arange(len(x)) - (len(x) - 1) / 2

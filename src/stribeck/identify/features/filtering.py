@@ -32,14 +32,16 @@ def noise(log: Log) -> float:
     return math.sqrt((log.noise or 0.0) / (2 * log.step))
 
 
-def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The noise of a column's pieces, from the median of their differences of this order, robust to outliers."""
+def roughness(parts: Sequence[Array], order: int = 3, typical: bool = False) -> float:
+    """The noise of a column's pieces from their differences of this order, of which a higher one removes more of the motion.
+
+    ``typical``: by the median, which outliers do not move.
+    """
     differences = np.concatenate([np.diff(x, order) for x in parts])
-    return (
-        float(np.median(abs(differences))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
-        if len(differences)
-        else 0.0
-    )
+    if not len(differences):
+        return 0.0
+    size = np.median(abs(differences)) / _MEDIAN if typical else np.sqrt(np.mean(differences**2))
+    return float(size) / math.sqrt(math.comb(2 * order, order))
 
 
 def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:

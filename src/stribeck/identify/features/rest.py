@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_opening
 
 from stribeck.arrays import Array
-from stribeck.identify.features.filtering import typical_roughness
+from stribeck.identify.features.filtering import roughness
 from stribeck.identify.log import MANY_ROWS, Log
 
 Mask = NDArray[np.bool_]
@@ -75,7 +75,7 @@ def _to_its_ends(rest: Mask, v: Array, limit: float, window: int) -> None:
 
 def _noise(log: Log) -> float:
     """The standard deviation of the velocity's noise, from the noise floor of the raw motion and from the velocity."""
-    white = typical_roughness([log.velocity[: 2 * MANY_ROWS]])
+    white = roughness([log.velocity[: 2 * MANY_ROWS]], typical=True)
     if log.noise is None or not log.bandwidth:
         return white
     edge = log.bandwidth  # noise of a position is multiplied by the square of the angular frequency

@@ -11,7 +11,7 @@ from stribeck.errors import StribeckError, arg, first_line
 from stribeck.identify.core.choice import rows_together
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.data.smoother import encoder_step
-from stribeck.identify.features.filtering import typical_roughness
+from stribeck.identify.features.filtering import roughness
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models.record import shortened
@@ -117,7 +117,7 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
 def _noise_everywhere(log: Log) -> float:
     """The force's noise as a share of the force: the relative residual that no law can undercut."""
     log = shortened(log, MANY_ROWS)
-    white = typical_roughness([log.force[rows] for rows in log.runs()])
+    white = roughness([log.force[rows] for rows in log.runs()], typical=True)
     return size_ratio(np.full(len(log), white), log.force)
 
 

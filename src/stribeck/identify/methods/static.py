@@ -19,7 +19,7 @@ from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.states import Estimate
-from stribeck.identify.features.filtering import smoother_log, typical_roughness
+from stribeck.identify.features.filtering import roughness, smoother_log
 from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
@@ -124,7 +124,7 @@ def _hidden(log: Log, column: str) -> str:
     coefficient towards 0.
     """
     x = getattr(log, column) - float(np.mean(getattr(log, column)))
-    changes, noise = float(x @ x), len(x) * typical_roughness([x[rows] for rows in log.runs()]) ** 2
+    changes, noise = float(x @ x), len(x) * roughness([x[rows] for rows in log.runs()], typical=True) ** 2
     x = x * np.sign(log.velocity) if TERMS[MEASURED[column]].level else x
     beside = np.column_stack([np.ones(len(x)), np.sign(log.velocity), log.velocity, log.acceleration])
     beside = beside / np.maximum(np.max(abs(beside), axis=0), 1e-300)
