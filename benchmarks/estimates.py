@@ -45,7 +45,7 @@ PAIRS, MOTIONS = ("agree", "same"), ("held", "rigs", "kinds")
 def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]]:
     """Every estimate of one law's fit, and the speeds of the levels."""
     curve = SteadyCurve(law, {}, ())
-    choice = chosen([(record_of(rows_of(log), ("offset",), {}), curve)])
+    choice = chosen(record_of(rows_of(log), ("offset",), {}), [curve])
     return judged(choice), choice.library.levels
 
 

@@ -20,7 +20,7 @@ def choice_of(log, laws=("stribeck",), terms=("offset",), given=None, **asked):
     given = given or {}
     curves = [SteadyCurve(law, given, ()) for law in laws]
     record = record_of(rows_of(log), terms, given)
-    return chosen([(record, curve) for curve in curves], **asked)
+    return chosen(record, curves, **asked)
 
 
 def inside(e, truth, how="interval"):
@@ -174,8 +174,8 @@ def test_slopes_are_taken_about_coefficients_that_are_not_0():
 def test_rows_about_reversals_do_not_count_unless_hardly_another_is_left():
     for log, ringing in ((record(3), 4), (record(3, slow=10, end=4.0), 0)):
         rows = rows_of(log)
-        assert len(record_of(rows, (), {}).at) == np.count_nonzero(rows.weight) - ringing
-        assert len(record_of(rows, (), {}, all_rows=True).at) == np.count_nonzero(rows.weight)
+        assert len(record_of(rows, (), {}).at) == np.count_nonzero(rows.moving) - ringing
+        assert len(record_of(rows, (), {}, all_rows=True).at) == np.count_nonzero(rows.moving)
 
 
 def test_a_column_that_is_given_twice_shares_its_coefficient():

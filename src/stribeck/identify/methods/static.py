@@ -25,7 +25,7 @@ from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.predictor import Predictor, predictor
-from stribeck.identify.models.record import Record, Rows, record_of, rows_of, shortened
+from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
 from stribeck.identify.models.steady import SteadyLibrary, chosen
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
@@ -85,16 +85,13 @@ def _filtered_lower(
 
 def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitOptions) -> Selection[SteadyLibrary]:
     """The best model on the rows of a band."""
-    records = [_compared(rows, name, body, options) for name in names]
-    return chosen(records, options.alone, options.speed)
-
-
-def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
-    """A law's columns, and the rows for its comparison."""
-    constants = laws.find(name).constants()
-    given = {n: x for n, x in options.numbers.items() if n in constants}
-    curve = SteadyCurve(name, given, [n for n in options.free if n in constants])
-    return record_of(rows, body, options.numbers, options.published), curve
+    record = record_of(rows, body, options.numbers, options.published)
+    own = [options.of_law(name) for name in names]
+    curves = [
+        SteadyCurve(name, {n: x for n, x in each.numbers.items() if n not in TERMS}, each.free)
+        for name, each in zip(names, own, strict=True)
+    ]
+    return chosen(record, curves, options.alone, options.speed)
 
 
 def _terms(log: Log, options: FitOptions) -> tuple[list[str], dict[str, str]]:

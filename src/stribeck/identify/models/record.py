@@ -40,14 +40,14 @@ class Rows:
     Attributes:
         log: the record, with a velocity of 0 where the body rests.
         q: one row in so many is kept behind the filter.
-        kept: the rows of the log that are; ``weight``: 0 for those in which the body rests.
-        rest: the rows of the log in which it does.
+        kept: the rows of the log that are; ``moving``: those of them in which the body moves.
+        rest: the rows of the log in which it rests.
     """
 
     log: Log
     q: int
     kept: NDArray[np.intp]
-    weight: Array
+    moving: NDArray[np.bool_]
     rest: NDArray[np.bool_]
 
 
@@ -69,7 +69,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
-    return Rows(log, q, kept, np.where((near | smeared)[kept], 0.0, 1.0), rest)
+    return Rows(log, q, kept, ~(near | smeared)[kept], rest)
 
 
 def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
@@ -231,10 +231,9 @@ def record_of(rows: Rows, terms: Sequence[str], given: Mapping[str, float], all_
     """
     log, q = rows.log, rows.q
     reduce = thinning(log, q)
-    moving = rows.weight > 0
-    counted = moving if all_rows else moving & ~_ringing(log, q)[rows.kept]
-    if counted.sum() < LEFT * moving.sum():
-        counted = moving
+    counted = rows.moving if all_rows else rows.moving & ~_ringing(log, q)[rows.kept]
+    if counted.sum() < LEFT * rows.moving.sum():
+        counted = rows.moving
     held = {n: x for n, x in given.items() if n in TERMS or n == "sigma_2"}
     columns = body_columns(log, [*terms, *(n for n in held if n not in terms)])
     force = log.force - sum((x * columns[n] for n, x in held.items()), np.zeros(len(log)))

@@ -405,22 +405,21 @@ def _ranked(lib: SteadyLibrary, rows: float) -> list[tuple[Model, Array]]:
 
 
 def chosen(
-    records: Sequence[tuple[Record, SteadyCurve]], alone: bool = False, speeds: Sequence[float] = ()
+    record: Record, curves: Sequence[SteadyCurve], alone: bool = False, speeds: Sequence[float] = ()
 ) -> Selection[SteadyLibrary]:
     """The model of the least BIC among all laws and forms.
 
     Args:
-        records: each law's columns with the compared rows, the same blocks for all.
         alone: whether forms are excluded.
         speeds: further speeds at which levels are estimated.
     """
-    libraries = [library(record, curve, speeds) for record, curve in records]
+    libraries = [library(record, curve, speeds) for curve in curves]
     rows = min(independent(lib, *lib.solve(lib.gram.sum(0))) for lib in libraries)
     for lib in libraries:
         refine(lib, rows)
     out = Selection(libraries, [lib.solve(lib.gram.sum(0))[0] for lib in libraries], rows, alone)
     out.law, out.index, *_ = out.choose(np.ones(len(libraries[0].gram)))
-    lib, log, at = out.library, out.library.record.log, out.library.record.at
-    seen = seen_speeds(abs(log.velocity[at]), sliding(log, lib.at, out.model[1])[at])
+    lib, speed = out.library, abs(record.log.velocity[record.at])
+    seen = seen_speeds(speed, sliding(record.log, lib.at, out.model[1])[record.at])
     lib.at = replace(lib.at, speeds=(*seen, *speeds))
     return out
