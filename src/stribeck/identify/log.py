@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 
-_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
+MOTION = ("position", "velocity", "acceleration")
+_COLUMNS = ("time", *MOTION, "force", "load", "pressure", "command", "unfiltered", "run")
 INTEGRAL = "the integral of the velocity"  # the source of a position that nobody measured
 MANY_ROWS = 500_000  # taken at once: some 4 MB a column, whatever the record's length; so many tell the sizes of a log
 ENOUGH_ROWS = 100_000  # of a record: behind a filter, neighboring rows are alike, and more tell nothing new

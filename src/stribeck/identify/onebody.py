@@ -25,6 +25,7 @@ from stribeck.identify.actuator.recordings import FEWEST, Channel, Logs, Recordi
 from stribeck.identify.actuator.result import MachineFit, Trace
 from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
+from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log
@@ -41,7 +42,6 @@ from stribeck.simulation import simulate
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
-_MOST_FORCE = 1e100  # N: its square is a number
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
@@ -190,8 +190,10 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
     _first(model, log)
     with np.errstate(all="ignore"):
         force = model.first_law().steady_force(v := log.velocity)
-    if not np.all(abs(force) <= _MOST_FORCE):
-        text = f"gives no force within {_MOST_FORCE:g} N in size at the speeds of this record ({v.min():.3g} to {v.max():.3g})"
+    if not np.all(abs(force) <= LARGEST):
+        text = (
+            f"gives no force within {LARGEST:g} N in size at the speeds of this record ({v.min():.3g} to {v.max():.3g})"
+        )
         raise InputError(f"law '{law.name}': {text}")
     return model
 

@@ -12,7 +12,7 @@ from stribeck.identify.data.smoother import smooth, smoothing
 
 GAP = 1.6  # sampling periods: a longer interval lacks a sample
 _SHIFTS = 12  # places at which the same samples are left out: their median error is known to a quarter
-_DRAWS = 4  # of the interpolation error, with a random sign in each gap
+DRAWS = 4  # of an error that a simulation carries on: each is simulated, so that more take longer than the fit
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ def bridged(t: Array, x: Array) -> Bridged:
     error = np.min(errors, axis=0)
     if not np.max(error) > 0:
         return Bridged(new[order], whole, whole[None][:0])
-    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(error)))
+    sides = np.random.default_rng(0).choice([-1.0, 1.0], (DRAWS, len(error)))
     bulge = np.concatenate([_bulge(lost[gap == i]) for i in range(len(error))])
-    added = np.concatenate([np.zeros((_DRAWS, len(t))), (error * sides)[:, gap] * bulge], axis=1)
+    added = np.concatenate([np.zeros((DRAWS, len(t))), (error * sides)[:, gap] * bulge], axis=1)
     return Bridged(new[order], whole, whole + added[:, order])
 
 

@@ -34,6 +34,7 @@ from stribeck.identify.actuator.solve import (
     spread,
 )
 from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.data.quality import EVEN
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
@@ -44,7 +45,6 @@ _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
 _ENOUGH = 6  # recordings that tell minima apart
 _UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
 _FEWEST = 500  # samples of a coarse recording
-_EVEN = 1e-3  # of a step: a spline's knots need not be more even
 _TWO_SIDED = 1.96  # deviations of a 95 % interval
 _DEARER = 10  # times the solver's steps at the first values: what a start may take
 
@@ -55,7 +55,7 @@ _DEARER = 10  # times the solver's steps at the first values: what a start may t
 def coarser(recording: Recording, factor: int) -> Recording | None:
     """A recording with one of ``factor`` samples; None if its samples are uneven or too few would be left."""
     t, gaps = recording.t, np.diff(recording.t)
-    if len(t) < _FEWEST * factor or np.ptp(gaps) > _EVEN * gaps[0]:
+    if len(t) < _FEWEST * factor or np.ptp(gaps) > EVEN * gaps[0]:
         return None
     every = t[::factor]
     outputs = {name: _fewer(c, every) for name, c in recording.outputs.items()}

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.bridges import DRAWS
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.data.smoother import encoder_step, smooth
@@ -22,7 +23,6 @@ from stribeck.scenario.changes import unused_prefix
 
 CARRIED = "noise of the measured motion"  # a cause of error
 _LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
-_DRAWS = 4  # of the measured motion's noise, which the guide carries into the simulation
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _noisier(recording: Recording, motions: Sequence[_Motion]) -> Iterator[tuple
     An encoder's noise is that of rounding: none that is random at rest, where it would shake the friction loose.
     """
     rng = np.random.default_rng(0)
-    for _ in range(_DRAWS):
+    for _ in range(DRAWS):
         outputs, noisier = dict(recording.outputs), list[_Motion]()
         for m in motions:
             c = outputs[m.column]

@@ -18,7 +18,7 @@ from stribeck.identify.actuator.inputs import STILL, RecordedInput, number_at
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import RecordedRun, rms
-from stribeck.identify.core.library import LARGEST
+from stribeck.identify.core.library import UNNOTICED
 from stribeck.scenario.changes import unused_prefix
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
@@ -148,7 +148,7 @@ def _form(contact: str, term: str, slopes: Array, at: AtSpeed | None, words: Map
     """A friction term as a form."""
     kind = term.removesuffix(" sin").removesuffix(" cos")
     group, label = f"{contact}: {kind}", words.get(contact, f"{contact}: ") + kind
-    return MissingForm(group, slopes, LARGEST, _of_friction(contact, term), label, contact, at)
+    return MissingForm(group, slopes, UNNOTICED, _of_friction(contact, term), label, contact, at)
 
 
 def _of_force(problem: MachineProblem, motion: RunMotion, contact: str, forces: Sequence[Array]) -> Array | None:
@@ -268,7 +268,7 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     J = whole.slopes(there[None], by=range(len(u), len(there)))[1][0]
     for c, slopes in zip(added, J.T, strict=True):
         x = fixed[c.name]
-        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x), c.name)
+        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, UNNOTICED, _of_number(c.name, x), c.name)
 
 
 def _of_number(path: str, now: float) -> Callable[[float], str]:
@@ -297,7 +297,7 @@ def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, st
     names, units = _files(problem), {c.name: c.unit for c in problem.runs[0].scenario.system.columns}
     sought = {(c.output, c.log) for c in problem.sought}
     for (name, what), x in slopes.items():
-        largest = {"clock": CLOCK, "delay": step[name], "gain": LARGEST, "offset": LARGEST * span[name]}[what]
+        largest = {"clock": CLOCK, "delay": step[name], "gain": UNNOTICED, "offset": UNNOTICED * span[name]}[what]
         unit = {"clock": "s/s", "delay": "s", "gain": ""}.get(what, units.get(name, ""))
         if ((name, what), None) in sought or not largest > 0:
             continue

@@ -16,7 +16,7 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Of, Selection, rows_together
-from stribeck.identify.core.library import RIDGE
+from stribeck.identify.core.library import DEAD, RIDGE
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 
 DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
@@ -217,8 +217,8 @@ def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
 def _inverse(a: Array, natural: Array) -> Array:
     """The inverse of a Gram matrix; 0 for columns that are negligible relative to their ``natural`` mean squares."""
     d = np.sqrt(np.diag(a))
-    moved = d / np.sqrt(natural)
-    dead = moved <= 1e-9 * moved.max()
+    moved = np.diag(a) / natural
+    dead = moved <= DEAD * moved.max()
     d = np.where(dead, 1.0, d)
     scaled = np.linalg.inv(a / np.outer(d, d) + RIDGE * np.eye(len(a)))
     return np.asarray(np.where(dead[:, None] | dead, 0.0, scaled) / np.outer(d, d))

@@ -17,7 +17,8 @@ LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction 
 SEEN = (0.02, 0.98)  # quantiles of the recorded speeds: the slowest and the fastest level, without single rows
 CELL = 1.2  # cells, to which a node's linearization is used: the next node is nearer beyond one
 STEEP = 3.0  # factor on the squared residual beyond it: such a model is reported only if all others are much worse
-LARGEST = 0.02  # of the force's standard deviation, or of a number: the largest form that may go unnoticed
+IMPOSSIBLE = 100.0  # factor on the squared residual: such a model is never reported
+UNNOTICED = 0.02  # of the force's standard deviation, or of a number: the largest form that may go unnoticed
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.core.library import RIDGE, Model, ModelLibrary
+from stribeck.identify.core.library import IMPOSSIBLE, RIDGE, Model, ModelLibrary
 
 BEAM, KEPT = 6, 250  # sets of forms kept at each depth, and models of all depths
 MOST = 4  # forms of a model: six helped 3 and ruined 2 of 17 measured records
@@ -62,7 +62,7 @@ def _try_beside(
         j += len(members)
         ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & allowed[g]
         gain = _gain(total, left, share, b, y, b_i, w)
-        after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault > 50, fault, 1.0), np.inf)
+        after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault >= IMPOSSIBLE, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
         cost = float(np.log(after.min())) + COST * sum(len(lib.groups[h]) for h in new)
         if np.isfinite(cost) and (key not in tried or cost < tried[key][0]):

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 Kept = Mapping[str, Any]  # JSON, validated as written by a fit
-NARROW = 2.0  # largest ratio of high to low: an engineer can still design with a factor of two
-OFFSET = 0.5  # of the friction level: largest width of an offset's interval, because an offset may be 0
+NARROW = 2.0  # largest ratio of high to low, or of a level to high - low: a factor of two still serves a design
 
 
 class EstimateState(StrEnum):
@@ -139,7 +138,7 @@ def state_of(
 
     def narrow(low: float, high: float) -> bool:
         by_ratio = (low > 0 and high < NARROW * low) or (high < 0 and low > NARROW * high)
-        beside = level is not None and high - low < OFFSET * abs(level)
+        beside = level is not None and high - low < abs(level) / NARROW
         return beside or (by_ratio and (level is None or either))
 
     state = EstimateState.NOT_IDENTIFIABLE

@@ -20,7 +20,7 @@ from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped, unwr
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.smoother import LOOK, likeliest
 from stribeck.identify.data.units import is_rotary
-from stribeck.identify.log import INTEGRAL, STILL, Log
+from stribeck.identify.log import INTEGRAL, MOTION, STILL, Log
 from stribeck.recorded import is_table, opened
 
 
@@ -180,9 +180,6 @@ def _require_rows(rows: int, trim: int) -> None:
         )
 
 
-_MOTION = ("time", "position", "velocity", "acceleration")
-
-
 def _grid(part: Clean, rows: slice, step: float) -> Array:
     """The times of a run, as measured if they are even, or else on an even grid."""
     time = part.columns["time"][rows]
@@ -198,7 +195,7 @@ def _run(
         if name != "time":
             signals[name] = column[rows] if part.even else resampled(name, time, column[rows], part.step, grid)
     signals["unfiltered"] = signals[measured]
-    for name in ("position", "velocity", "acceleration"):
+    for name in MOTION:
         if name in signals and cutoff > 0:
             signals[name] = low_pass(signals[name], cutoff, step, order)
     if "velocity" not in signals:
@@ -213,7 +210,7 @@ def _run(
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:
     filtered = f", low-pass {cutoff:.4g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
-    sources = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
+    sources = {name: f"measured{resampled}{filtered if name in MOTION else ''}" for name in roles}
     sources.setdefault("position", INTEGRAL)
     sources.setdefault("velocity", f"{slopes} of the position")
     sources.setdefault("acceleration", f"{slopes} of the velocity")

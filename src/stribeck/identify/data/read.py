@@ -13,7 +13,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
-from stribeck.identify.data.units import ROLES, factor, is_drive, known_units
+from stribeck.identify.data.units import ROLES, UNITS, factor, is_drive
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed, no_column, opened
 
@@ -78,7 +78,7 @@ def named_in(source: Source, columns: ColumnNames) -> ColumnNames:
     stated = {
         name: unit
         for role, name in columns.names.items()
-        if name not in columns.units and (unit := source.unit(name, known_units(role)))
+        if name not in columns.units and (unit := source.unit(name, UNITS[role]))
     }
     return columns.over(ColumnNames(units=stated))
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 from stribeck.errors import InputError, arg, nearest
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-_KNOWN: dict[str, dict[str, float]] = {
+UNITS: dict[str, dict[str, float]] = {
     "time": TIME,
     "position": LENGTH | ANGLE,
     "velocity": SPEED,
@@ -19,14 +18,9 @@ _KNOWN: dict[str, dict[str, float]] = {
     "command": LENGTH | ANGLE,
     "run": {},
 }
-ROLES = tuple(_KNOWN)
+ROLES = tuple(UNITS)
 _COUNT = re.compile(r"counts(?=$|/)")
 _PART = re.compile(r"rev/(\d+)(?=$|/)")  # of a turn: rev/2000, rev/2000/s
-
-
-def known_units(role: str) -> Mapping[str, float]:
-    """The units of a role and their factors to SI."""
-    return _KNOWN[role]
 
 
 def factor(role: str, column: str, unit: str) -> float:
@@ -35,7 +29,7 @@ def factor(role: str, column: str, unit: str) -> float:
     Raises:
         InputError: no such unit, or a unit of another quantity.
     """
-    known = _KNOWN[role]
+    known = UNITS[role]
     if (part := _PART.match(unit)) and int(part[1]) > 0 and (whole := f"rev{unit[part.end() :]}") in known:
         return known[whole] / int(part[1])
     if _COUNT.match(unit):

@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass, spline_derivative
-from stribeck.identify.log import Log
+from stribeck.identify.log import MOTION, Log
 
 _LOWER = float(np.sqrt(0.5))  # of the cut-off: doubles a filter's bias, which goes with its inverse square
 _MEDIAN = 0.6745  # of the absolute value of a normal variable, in standard deviations
@@ -64,7 +64,7 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
 def smoother_log(log: Log) -> Log:
     """The log with position, velocity and acceleration at a lower cut-off."""
     assert log.bandwidth is not None
-    motion = {n: _smoothed(log, getattr(log, n), log.bandwidth) for n in ("position", "velocity", "acceleration")}
+    motion = {n: _smoothed(log, getattr(log, n), log.bandwidth) for n in MOTION}
     return log.with_columns(**motion, bandwidth=_LOWER * log.bandwidth)
 
 

@@ -8,7 +8,7 @@ from scipy.ndimage import binary_opening
 
 from stribeck.arrays import Array
 from stribeck.identify.features.filtering import roughness
-from stribeck.identify.log import MANY_ROWS, Log
+from stribeck.identify.log import MANY_ROWS, Log, thinned
 
 Mask = NDArray[np.bool_]
 _WINDOW, _SHORTEST = 0.02, 10  # s, rows of a window: shorter than a stop of an axis, with enough rows for a mean
@@ -23,7 +23,7 @@ def at_rest(log: Log) -> Mask:
     Slow steady motion and the moment of a reversal are not rest.
     """
     out = np.zeros(len(log), bool)
-    fastest = float(np.quantile(abs(log.velocity[:: max(len(log) // 200_000, 1)]), 0.99))
+    fastest = float(np.quantile(abs(thinned(log).velocity), 0.99))
     noise = _noise(log)
     window = max(_SHORTEST, round(_WINDOW / log.step) if log.step else _SHORTEST)
     if log.bandwidth and log.step:  # at least the length of the filter's response

@@ -143,7 +143,8 @@ def check_motion(log: Log) -> None:
     ways = [float(np.ptp(x)) - _ROUNDING * float(np.max(abs(x))) for x in map(log.position.__getitem__, log.runs())]
     if fastest <= 0 or max(ways) <= 0:  # a filter leaves the rounding of a constant position
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
-    low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
+    few = thinned(log)
+    low, middle, high = np.quantile(few.velocity, (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
             f"{arg('velocity')}: constant ({middle:.4g} {log.unit('m/s')} within {high - low:.1g}): friction, offset and "
@@ -151,7 +152,6 @@ def check_motion(log: Log) -> None:
         )
     if not np.ptp(log.force) > 0:
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} {log.unit('N')} throughout: there is no friction to fit")
-    few = thinned(log)
     thin, y = few.velocity, few.position
     beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
     rough = np.column_stack([few.acceleration, thin, np.sign(thin), *beside])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.identify.core.library import STEEP
+from stribeck.identify.core.library import IMPOSSIBLE, STEEP, UNNOTICED
 from stribeck.identify.core.states import Estimate, one_sided
 from stribeck.identify.features.guess import HALF
 
@@ -16,8 +16,6 @@ LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # that have columns; ot
 REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
 BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to rounding; tanh bends over all speeds
 EXPONENTS = (0.4, 10.0)  # of the Stribeck curve: five times less and more than 2
-IMPOSSIBLE = 100.0  # factor on the squared residual: such a model is never reported
-NEGLIGIBLE = 0.02  # of the level: viscous friction at the fastest speed that may be negative by chance
 HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
 SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades: a third apart
@@ -104,7 +102,7 @@ class SteadyCurve:
         out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, 1.0)
         below = [x["rise"]] if self.rises else []
         below += [x["mass"]] if "mass" in x else []
-        below += [x["sigma_2"] * fast + NEGLIGIBLE * size] if "sigma_2" in x else []
+        below += [x["sigma_2"] * fast + UNNOTICED * size] if "sigma_2" in x else []
         for y in below:
             out = np.where(y < 0, out * STEEP, out)
         return out

@@ -11,6 +11,7 @@ from scipy import signal
 
 from stribeck.arrays import Array
 from stribeck.identify.data import filters
+from stribeck.identify.data.smoother import LOOK
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
@@ -27,7 +28,7 @@ _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sig
 _LITTLE_REST = 0.02  # of the rows: less rest moves no estimate, and stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
 _BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
-FEWEST, ROWS = 6, 12  # blocks of a short record; rows of a block
+FEWEST, ROWS = 6, 12  # blocks of a short record, and parts of cross-validation; rows of a block
 RINGS = 4  # kept rows about a reversal in which the thinning filter rings (its order is 8): the sign is not known there
 RISE = 0.35  # periods of the cut-off: the rise time of the motion's filter
 LEFT = 0.6  # of the rows in motion: a record that rings more often has no others, and keeps them
@@ -59,7 +60,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     """
     rest = at_rest(log)
     share = float(np.mean(rest))
-    if share <= _LITTLE_REST or share > 0.98:
+    if share <= _LITTLE_REST or share > 1 - _LITTLE_REST:
         rest[:] = False
     smeared = beside_rest(rest, log)
     if rest.any():
@@ -92,7 +93,7 @@ def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
 def decimation(log: Log, few: int) -> int:
     """By what the rate can be lowered and still hold the force's band, and so many rows."""
     longest = max(log.runs(), key=lambda r: r.stop - r.start)
-    x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]
+    x = log.force[longest.start : min(longest.stop, longest.start + LOOK)]
     f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
     share = np.cumsum(p) / max(float(np.sum(p)), 1e-300)
     band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))

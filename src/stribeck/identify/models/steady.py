@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.forms import WIDTHS, Anchor, Key, fits, forms, is_bend, sliding, steady
-from stribeck.identify.core.library import CELL, LARGEST, LEVELS, STEEP, Model, ModelLibrary, seen_speeds
+from stribeck.identify.core.library import CELL, LEVELS, STEEP, UNNOTICED, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import INTEGRAL
@@ -24,12 +24,11 @@ ASKED = "level at {:.4g}"  # at a speed given by the user
 CELLS = {0: (), 1: (16,), 2: (9, 6), 3: (5, 4, 4)}
 STEPS = 8  # Gauss-Newton steps at most: near an optimum each step squares the distance that is left
 REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tried there, as ranks change at an optimum
-RANK = 1e-9  # share of the largest singular value below which a direction of the columns counts as 0
+RANK = 1e-9  # relative size up to which a column, or a direction of the columns, counts as 0
 SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: a step that fails at a twentieth ends the search
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record
 ROOM = 3.0  # times the range of a shape that is searched: a step of the grid
-FAINT = 1e-9  # largest value up to which a column counts as 0
 
 
 @dataclass(kw_only=True)
@@ -97,7 +96,7 @@ class SteadyLibrary(ModelLibrary):
 
     def largest_hidden(self, form: str) -> float:
         """A share of the force's standard deviation, which a constant preload does not enlarge."""
-        return LARGEST * self.deviation
+        return UNNOTICED * self.deviation
 
     def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
@@ -292,7 +291,7 @@ def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: 
     held = {key[0] for key, c in whole.items() if _in_body(c, body)}
     for key, column in whole.items():
         largest = np.max(abs(column))
-        if largest <= FAINT or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
+        if largest <= RANK or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
             continue
         groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(form_columns))
         size[i], name[i] = float(np.sqrt(np.mean(column**2))), key
@@ -318,7 +317,7 @@ def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: 
 def _in_body(column: Array, body: Array) -> bool:
     """Whether a form equals one of the body's columns, which the user chose."""
     size = float(column @ column)
-    return any(size * float(b @ b) * (1 - FAINT) < float(column @ b) ** 2 for b in body.T)
+    return any(size * float(b @ b) * (1 - RANK) < float(column @ b) ** 2 for b in body.T)
 
 
 def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speeds: Sequence[float]) -> Anchor:
