@@ -28,7 +28,7 @@ from stribeck.identify.beyond import seen
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
-from stribeck.identify.log import ENOUGH_ROWS, Log
+from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.models.record import shortened
 from stribeck.identify.models.terms import TERMS
@@ -56,8 +56,8 @@ class OneBody:
     Attributes:
         law: its class; ``name``: as given.
         free: constants to fit; ``fixed``: given constants, words too.
-        held: given terms; ``wanted``: terms to fit.
-        output: the fitted output: "force", "position" or "velocity".
+        given: given terms; ``wanted``: terms to fit.
+        output: the fitted output: "force", "position" or "velocity"; ``rotary``: whether the body turns.
         first: initial values and ranges, by name.
     """
 
@@ -65,15 +65,20 @@ class OneBody:
     name: str
     free: tuple[str, ...]
     fixed: Values
-    held: Mapping[str, float]
+    given: Mapping[str, float]
     wanted: tuple[str, ...]
     output: str
+    rotary: bool
     first: dict[str, Guess] = field(default_factory=dict)
 
     def first_law(self) -> Law:
         """The law with initial values."""
-        values = {**self.fixed, **{n: g.value for n, g in self.first.items()}}
-        return self.law({n: x for n, x in values.items() if n in self.law.constants()})
+        return _with_constants(self.law, {**self.fixed, **{n: g.value for n, g in self.first.items()}})
+
+    @property
+    def mass(self) -> str:
+        """The key of the body's mass in the machine."""
+        return "inertia" if self.rotary else "mass"
 
     def path(self, name: str) -> str:
         """The path of a parameter in the machine, or beside its output."""
@@ -81,7 +86,8 @@ class OneBody:
             return f"{_LAW}.parameters.{name}" if name in PARAMETERS else f"{_LAW}.{name}"
         if self.output == "force" or name == "delay":
             return f"outputs.{OUTPUTS[self.output]}.{name}"
-        places = {"stiffness": "links.stiffness.stiffness", **{n: f"loads.{n}.amplitude" for n in _WEIGHT}}
+        places = {"mass": f"bodies.body.{self.mass}", "stiffness": "links.stiffness.stiffness"}
+        places |= {n: f"loads.{n}.amplitude" for n in _WEIGHT}
         return places.get(name, f"loads.{name}.gain")
 
 
@@ -108,14 +114,14 @@ class Simulated:
     def residual(self) -> Array:
         """The force of the fitted record less that of the law, N."""
         values = self.best.values()
-        used = {**self.model.fixed, **self.model.held, **{n: values[n] for n in self.model.first}}
+        used = {**self.model.fixed, **self.model.given, **{n: values[n] for n in self.model.first}}
         friction, beside = parts(self.model.name, used, self.log, _deflections(values, self.log))
         return self.log.force - friction - beside
 
     @property
     def error(self) -> float:
         """The residual as a share of the force."""
-        return float(np.linalg.norm(self.residual)) / max(float(np.linalg.norm(self.log.force)), 1e-300)
+        return size_ratio(self.residual, self.log.force)
 
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
@@ -146,15 +152,10 @@ def simulated(
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
     doubted = tuple(recordings if rough else _doubted(recordings, log, model))
     logs = Logs(doubted, _sought(model, log, options), words=_words(model))
-    scenario = _scenario(model, log.rotary)
+    scenario = Scenario(_tables(model), folder=Path(), trust=True)
     fitting = Fitting(scenario, logs, options.starts, options.seed, progress, advised=False)
     with threadpool_limits(1):
         return Simulated(log, model, fitting, fitting.estimated(rough))
-
-
-def _scenario(model: OneBody, rotary: bool) -> Scenario:
-    """The machine with initial values."""
-    return Scenario(_tables(model, rotary), folder=Path(), trust=True)
 
 
 def _runs(log: Log) -> list[slice]:
@@ -171,13 +172,13 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
         InputError: constants or terms are unknown, missing, or not allowed here; a line for each problem.
     """
     law, output = laws.find(name), options.output
-    held = {n: x for n, x in options.numbers.items() if n in TERMS}
+    given = {n: x for n, x in options.numbers.items() if n in TERMS}
     fixed = {n: x for n, x in options.set.items() if n not in TERMS}
     free = _free(law, name, fixed, options.free)
-    wanted = [n for n in dict.fromkeys(("mass", "offset", *options.term)) if n not in held]
-    terms.check((*wanted, *held), log)
+    wanted = [n for n in dict.fromkeys(("mass", "offset", *options.term)) if n not in given]
+    terms.check((*wanted, *given), log)
     problems = []
-    for n in (*wanted, *held):
+    for n in (*wanted, *given):
         if output == "force" and (TERMS[n].level or n == "delay"):
             problems.append(
                 f"{arg('term')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
@@ -186,7 +187,8 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
             problems.append(f"{arg('term')}: {n}: has no place in a fit of the motion (it has {', '.join(BESIDE)})")
     if problems:
         raise InputError(problems)
-    model = OneBody(law, name, tuple(free), _defaults(law, fixed, free), held, tuple(wanted), output)
+    usual = {n: c.default for n, c in law.constants().items() if c.default is not None and n not in free}
+    model = OneBody(law, name, tuple(free), {**usual, **fixed}, given, tuple(wanted), output, log.rotary)
     _first(model, log)
     with np.errstate(all="ignore"):
         force = model.first_law().steady_force(v := log.velocity)
@@ -213,18 +215,13 @@ def _free(law: type[Law], name: str, fixed: Mapping[str, object], more: Sequence
     return wanted
 
 
-def _defaults(law: type[Law], fixed: Values, free: Sequence[str]) -> dict[str, float | str]:
-    usual = {n: c.default for n, c in law.constants().items() if c.default is not None and n not in free}
-    return {**usual, **fixed}
-
-
 def _first(model: OneBody, log: Log) -> None:
     """Set initial values and ranges.
 
     Terms follow from least squares together with a Stribeck curve, which is the first one of the law.
     """
-    columns = {n: terms.column(n, log) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
-    force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
+    columns = {n: terms.column(n, log) for n in (*model.wanted, *model.given) if TERMS[n].column is not None}
+    force = log.force - sum((x * columns[n] for n, x in model.given.items() if n in columns), np.zeros(len(log)))
     wanted = [n for n in model.wanted if n in columns]
     of_wanted, curve, _ = steady_curve(log.velocity, [columns[n] for n in wanted], force)
     least = dict(zip(wanted, of_wanted.tolist(), strict=True))
@@ -250,26 +247,36 @@ def _first(model: OneBody, log: Log) -> None:
 # -- the machine and its recordings --------------------------------------------------------------------------------------
 
 
-def _law_table(name: str, values: Values) -> dict[str, object]:
+def _with_constants(law: type[Law], values: Values) -> Law:
     """A law with its constants, of all values."""
+    return law({n: x for n, x in values.items() if n in law.constants()})
+
+
+def _farthest(law: Law) -> float:
+    """The largest deflection of the bristles, m, that a run may begin with."""
+    return _BENT * law.scales(law.p).length
+
+
+def _law_table(name: str, values: Values) -> dict[str, object]:
+    """The table of a law with its constants, of all values."""
     constants = {n: x for n, x in values.items() if n in laws.find(name).constants()}
     parameters = {n: constants.pop(n) for n in list(constants) if n in PARAMETERS}
     return {"name": name, **constants, **({"parameters": parameters} if parameters else {})}
 
 
-def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
-    """The machine's tables."""
-    values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.held}
-    turns = {"rotary": True} if rotary else {}
+def _tables(model: OneBody) -> dict[str, object]:
+    """The machine's tables, with initial values."""
+    values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.given}
+    turns = {"rotary": True} if model.rotary else {}
     body: dict[str, object] = {"velocity": {"signal": _HELD}, **turns}
     loads: dict[str, object] = {}
     links: dict[str, object] = {}
     if model.output != "force":
         if not values["mass"]:
             raise InputError(f"{arg('mass')}: 0: a body that a force drives has a mass; must be above 0")
-        body = {"inertia" if rotary else "mass": values["mass"]}
+        body = {model.mass: values["mass"]}
         loads = {"force": {"on": "body", "kind": "signal", "signal": _HELD}}
-        for n in (*model.wanted, *model.held):
+        for n in (*model.wanted, *model.given):
             if n in ("offset", "area"):
                 loads[n] = {"on": "body", "kind": "signal", "gain": values[n], "signal": _HELD}
             elif n in _WEIGHT:
@@ -290,11 +297,11 @@ def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
     inputs = {"loads.force.signal": Channel("force", t, part.force, smooth=True)}
     output = Channel(model.output, t, raw(part, model.output))
     if model.output == "force":
-        known = {n: x * terms.column(n, part) for n, x in model.held.items() if TERMS[n].column is not None}
+        known = {n: x * terms.column(n, part) for n, x in model.given.items() if TERMS[n].column is not None}
         beside = {n: terms.column(n, part) for n in model.wanted if n != "offset"}
         output = Channel("force", t, part.force - sum(known.values(), np.zeros(len(t))), beside=beside)
         inputs = {"bodies.body.velocity.signal": Channel("velocity", t, part.velocity, smooth=True)}
-    elif "area" in (*model.wanted, *model.held) and part.pressure is not None:
+    elif "area" in (*model.wanted, *model.given) and part.pressure is not None:
         inputs["loads.area.signal"] = Channel("pressure", t, -part.pressure, smooth=True)
     return Recording(name, t, {OUTPUTS[model.output]: output}, inputs)
 
@@ -310,8 +317,6 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
     sought = list[Sought]()
     for n, guess in model.first.items():
         path = model.path(n)
-        if n == "mass" and model.output != "force":
-            path = f"bodies.body.{'inertia' if log.rotary else 'mass'}"
         given = options.sought.get(n)
         if given is None:
             sought.append(Sought(path, guess.low, guess.high, guess.value, label=n))
@@ -321,7 +326,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
             sought.append(replace(given, path=path, start=start, label=n))
     if model.law.has_z:
         law = model.first_law()
-        way = _BENT * law.scales(law.p).length
+        way = _farthest(law)
         for i, rows in enumerate(_runs(log)):
             slid = float(law.steady_deflection(float(log.velocity[rows.start])))
             path = f"log.{i}.contacts.contact.initial.z"
@@ -334,7 +339,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
 
 def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
     """The machine's fit as a fit of the log."""
-    used = {**model.fixed, **model.held, **{n: e.value for n, e in machine_fit.estimates.items()}}
+    used = {**model.fixed, **model.given, **{n: e.value for n, e in machine_fit.estimates.items()}}
     estimates = with_units(machine_fit.estimates, model.name, model.fixed, log)
     friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
@@ -344,8 +349,8 @@ def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
         law_name=model.name, method="dynamic", estimates=estimates,
         levels={n.removeprefix("contact "): e for n, e in machine_fit.levels.items()},
         speeds={n.removeprefix("contact "): v for n, v in machine_fit.speeds.items()},
-        values=used, given=(*model.fixed, *model.held), relation=machine_fit.relation,
-        relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), missed=missed,
+        values=used, given=(*model.fixed, *model.given), relation=machine_fit.relation,
+        relative_force_error=size_ratio(left, log.force), missed=missed,
         friction=FrictionRows(log.time, log.velocity, log.force - beside, friction), data_hash=log.hash,
         output=_output(model.output, [result.traces[0] for result in machine_fit.logs]), seen=seen(log, np.ones(len(log), bool)),
         notes=notes, status="stopped" if machine_fit.status == "stopped" else "done", log=log,
@@ -400,10 +405,12 @@ def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()
     Raises:
         StribeckError: the law cannot be simulated along the motion.
     """
-    numbers = {n: float(x) for n, x in values.items() if n in TERMS}
-    more = _sum({n: x for n, x in numbers.items() if TERMS[n].friction}, log)
-    friction, beside = _along(name, values, log, bent) + more, beside_friction(numbers, log)
-    late = numbers.get("delay", 0.0)
+    friction, beside = _along(name, values, log, bent), np.zeros(len(log))
+    for n, term in TERMS.items():
+        if n in values and term.column and not term.level:
+            into = friction if term.friction else beside
+            into += float(values[n]) * terms.column(n, log)
+    late = float(values.get("delay", 0.0))
     return later(log, friction, late), later(log, beside, late)
 
 
@@ -415,8 +422,7 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
     law = laws.find(name)
     if not law.has_z:
         return []
-    constants = law({n: x for n, x in values.items() if n in law.constants()})
-    largest = _BENT * constants.scales(constants.p).length
+    largest = _farthest(_with_constants(law, values))
     deflections = []
     for rows in _runs(log):
         first = log.rows(slice(rows.start, min(rows.start + BEGIN, rows.stop)))
@@ -427,17 +433,6 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
 
         deflections.append(largest * float(minimize_scalar(residual, bounds=(-1.0, 1.0), method="bounded").x))
     return deflections
-
-
-def beside_friction(values: Values, log: Log) -> Array:
-    """The force of the terms beside friction, N at each row."""
-    numbers = {n: float(x) for n, x in values.items() if n in TERMS}
-    return _sum({n: x for n, x in numbers.items() if not TERMS[n].friction}, log)
-
-
-def _sum(some: Mapping[str, float], log: Log) -> Array:
-    columns = (x * terms.column(n, log) for n, x in some.items() if TERMS[n].column and not TERMS[n].level)
-    return np.asarray(sum(columns, np.zeros(len(log))))
 
 
 def later(log: Log, x: Array, by: float) -> Array:
@@ -466,8 +461,7 @@ def scenario_along(name: str, values: Values, log: Log, z: float | None = None) 
     """The law under the measured velocity of one run."""
     law, start = laws.find(name), {"y": float(log.position[0])}
     if law.has_z and z is None:
-        constants = {n: x for n, x in values.items() if n in law.constants()}
-        z = float(law(constants).steady_deflection(float(log.velocity[0])))
+        z = float(_with_constants(law, values).steady_deflection(float(log.velocity[0])))
     start |= {"z": z} if law.has_z and z is not None else {}
     t = log.step * np.arange(len(log))
     return Scenario(
