@@ -220,28 +220,20 @@ def _sharp_sign(curve: SteadyCurve, log: Log) -> dict[str, float]:
 
 def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     """The force of each form of the reported model, N (rms)."""
-    lib, model, x, out = choice.library, choice.model, choice.coefficients, dict[str, float]()
-    place = lib.first_form
-    for g in model[1]:
-        members = lib.groups[g]
-        out[g] = float(np.sqrt(np.mean((lib.columns[:, members] @ x[place : place + len(members)]) ** 2)))
-        place += len(members)
-    return out
+    lib = choice.library
+    of_column = dict(zip(lib.index(choice.model), choice.coefficients.tolist(), strict=True))
+    forces = {g: lib.columns[:, lib.groups[g]] @ [of_column[i] for i in lib.groups[g]] for g in choice.model[1]}
+    return {g: float(np.sqrt(np.mean(force**2))) for g, force in forces.items()}
 
 
 def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     """Measured and fitted friction at the compared rows, and norm(residual)/norm(measured friction)."""
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i = lib.index(choice.model)
-    friction = lib.columns[:, i[: lib.k]] @ x[: lib.k]
-    for j, name in enumerate(lib.body, lib.k):
-        if name == "sigma_2" or TERMS[name].level or TERMS[name].friction:
-            friction = friction + lib.columns[:, i[j]] * x[j]
-    if "sigma_2" in record.given:
-        friction = friction + record.given["sigma_2"] * record.column(record.log.velocity)
-    for j in range(lib.first_form, len(i)):
-        if not lib.name[i[j]][0].startswith((*BESIDE_FRICTION, *OF_RECORD)):
-            friction = friction + lib.columns[:, i[j]] * x[j]
+    of_body = [n == "sigma_2" or TERMS[n].level or TERMS[n].friction for n in lib.body]
+    of_forms = [not lib.name[j][0].startswith((*BESIDE_FRICTION, *OF_RECORD)) for j in i[lib.first_form :]]
+    friction = lib.columns[:, i] @ (x * np.array([*[True] * lib.k, *of_body, *of_forms]))
+    friction += record.given.get("sigma_2", 0.0) * record.column(record.log.velocity)
     measured = friction + lib.residual(choice.model, x)
     rows = FrictionRows(record.log.time[record.at], record.log.velocity[record.at], measured, friction)
     return rows, size_ratio(measured - friction, measured)
@@ -251,11 +243,9 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
     """The best model of each law, and the simplest model, on the compared rows."""
     every, candidates = np.ones(len(choice.library.gram)), list[Candidate]()
     for n, lib in enumerate(choice.libraries):
-        kinds = (
-            {False: lib.curve.law, True: f"{lib.curve.law} without forms"}
-            if lib.curve.law == PLAIN and not choice.alone
-            else {choice.alone: lib.curve.law}
-        )
+        kinds = {choice.alone: lib.curve.law}
+        if lib.curve.law == PLAIN and not choice.alone:
+            kinds[True] = f"{PLAIN} without forms"
         for alone, name in kinds.items():
             _, i, x, _ = choice.choose(every, within=n, alone=alone)
             r, model = lib.residual(lib.models[i], x), lib.models[i]

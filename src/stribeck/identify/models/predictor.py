@@ -24,7 +24,7 @@ from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.record import FEWEST, MOST_ROWS, LawColumns, beside_rest, body_columns
+from stribeck.identify.models.record import FEWEST, MOST_ROWS, LawColumns, Record, beside_rest, body_columns
 from stribeck.identify.models.steady import SteadyLibrary, optimum
 
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -96,12 +96,12 @@ def predictor(choice: Selection[SteadyLibrary], log: Log, slowest: float) -> Pre
         slowest: the slowest sliding that the fit has seen, m/s; the error is of the rows that are as fast.
     """
     rest = at_rest(log)
-    moving, block = np.flatnonzero(~(rest | beside_rest(rest, log))), choice.library.record.block
+    moving = np.flatnonzero(~(rest | beside_rest(rest, log)))
     if not len(moving):
         moving = np.arange(len(log))
     count = len(choice.library.gram)
     fold_of_block = np.arange(count) * min(FEWEST, count) // count
-    fold = fold_of_block[_block_of(choice, log, block)[moving]]
+    fold = fold_of_block[_block_of(choice.library.record, log)[moving]]
     candidates = (True,) if choice.alone else (False, True)
     left, slides = np.zeros((2, len(candidates))), abs(log.velocity) >= slowest
     for f in range(int(fold_of_block.max()) + 1):
@@ -118,14 +118,14 @@ def predictor(choice: Selection[SteadyLibrary], log: Log, slowest: float) -> Pre
     return replace(_candidate(choice, np.ones(count), log, moving, candidates[best]), error=error)
 
 
-def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
+def _block_of(record: Record, log: Log) -> NDArray[np.intp]:
     """The block of each row of the whole record: that of the last compared row before it in its file."""
-    record, out, file = choice.library.record, np.zeros(len(log), np.intp), log.file_of_rows
+    out, file = np.zeros(len(log), np.intp), log.file_of_rows
     for each in np.unique(record.file):
         rows, compared = np.flatnonzero(file == each), np.flatnonzero(record.file == each)
         compared = compared[np.argsort(record.log.time[record.at[compared]], kind="stable")]
         place = np.searchsorted(record.log.time[record.at[compared]], log.time[rows], side="right") - 1
-        out[rows] = block[compared][np.maximum(place, 0)]
+        out[rows] = record.block[compared][np.maximum(place, 0)]
     return out
 
 
