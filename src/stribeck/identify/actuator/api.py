@@ -160,7 +160,7 @@ class Fitting:
         self.work = Work(self.progress)
         self.numbered = list(enumerate(self.logs.recordings))
         self.fitted = [(i, r) for i, r in self.numbered if not r.hold_out]
-        self.held = [(i, r) for i, r in self.numbered if r.hold_out]
+        self.held_out = [(i, r) for i, r in self.numbered if r.hold_out]
 
     def run(self, laws: Mapping[str, Sequence[str]], baselines: bool) -> MachineFit:
         """All steps, in order."""
@@ -168,7 +168,7 @@ class Fitting:
         result = self.reported(best, notes)
         result.laws = picked
         self.work.section(0.95)
-        if baselines and not self.held:
+        if baselines and not self.held_out:
             result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
         try:
             if result.status == "done" and baselines:

@@ -165,8 +165,8 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> tuple[BestPoi
 
 def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], list[str]]:
     """The fitted and the held-out recordings of a comparison of laws, and a note about them."""
-    if fit.held:
-        return fit.fitted, fit.held, []
+    if fit.held_out:
+        return fit.fitted, fit.held_out, []
     if len(fit.fitted) > 1:
         note = f"{fit.fitted[-1][1].file} was held out to compare laws, and fitted afterwards"
         return fit.fitted[:-1], fit.fitted[-1:], [note]
@@ -200,8 +200,8 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
                 scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
             best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
             fit.work.check()
-            errors = [held_out_error(scenario, best, part) for part in (fit.fitted, fit.held)]
-            rows[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
+            errors = [held_out_error(scenario, best, part) for part in (fit.fitted, fit.held_out)]
+            rows[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held_out else None, "numbers": len(sought)}
         except InputError:  # a recorded column that the simpler machine lacks, such as a contact's force
             continue
         except StribeckError as error:

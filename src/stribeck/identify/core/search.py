@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.core.library import IMPOSSIBLE, RIDGE, Model, ModelLibrary
+from stribeck.identify.core.library import DEAD, IMPOSSIBLE, RIDGE, Model, ModelLibrary
 
 BEAM, KEPT = 6, 250  # sets of forms kept at each depth, and models of all depths
 MOST = 4  # forms of a model: six helped 3 and ruined 2 of 17 measured records
@@ -56,12 +57,12 @@ def _try_beside(
     fault = lib.fault(y[:, :, -1] / d)
     for s in nodes:
         met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)
-    j = 0
-    for g, members in rest.items():
-        w = list(range(j, j + len(members)))
-        j += len(members)
+    for (g, members), end in zip(rest.items(), accumulate(map(len, rest.values())), strict=True):
+        w = np.arange(end - len(members), end)
         ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & allowed[g]
-        gain = _gain(total, left, share, b, y, b_i, w)
+        of_form = total[b_i[w][:, None], b_i[w]] - np.einsum("mip,miq->mpq", b[:, :, w], y[:, :, w])
+        of_form[:, range(len(w)), range(len(w))] += DEAD * diag[w]
+        gain = np.einsum("mp,mp->m", share[:, w], np.linalg.solve(of_form, share[:, w, None])[..., 0])
         after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault >= IMPOSSIBLE, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
         cost = float(np.log(after.min())) + COST * sum(len(lib.groups[h]) for h in new)
@@ -70,14 +71,3 @@ def _try_beside(
         for s in np.argsort(after)[:3].tolist():
             if np.isfinite(after[s]):
                 met.setdefault((s, key), (float(after[s]), new))
-
-
-def _gain(total: Array, left: Array, share: Array, b: Array, y: Array, b_i: Array, w: list[int]) -> Array:
-    """The reduction of the squared residual by a form of one or two columns, at every node."""
-    if len(w) == 1:
-        return np.asarray(share[:, w[0]] ** 2 / np.maximum(left[:, w[0]], 1e-300))
-    p, q = w
-    pq = total[b_i[p], b_i[q]] - np.einsum("mi,mi->m", b[:, :, p], y[:, :, q])
-    det = np.maximum(left[:, p] * left[:, q] - pq**2, 1e-12 * left[:, p] * left[:, q])
-    crossed = share[:, p] ** 2 * left[:, q] + share[:, q] ** 2 * left[:, p] - 2 * pq * share[:, p] * share[:, q]
-    return np.asarray(crossed / det)
