@@ -21,7 +21,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.recordings import FEWEST, Channel, Logs, Recording, Sought
+from stribeck.identify.actuator.recordings import FEWEST_SAMPLES, Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit, Trace
 from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
@@ -159,7 +159,7 @@ def simulated(
 
 
 def _runs(log: Log) -> list[slice]:
-    return [rows for rows in log.runs() if rows.stop - rows.start >= FEWEST]
+    return [rows for rows in log.runs() if rows.stop - rows.start >= FEWEST_SAMPLES]
 
 
 # -- given and fitted parameters ---------------------------------------------------------------------------------------

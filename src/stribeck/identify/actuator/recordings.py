@@ -25,7 +25,9 @@ from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-FEWEST = 8  # samples of a recording: an initial state takes half, a parabola and one more, and as many show the fit
+FEWEST_SAMPLES = (
+    8  # samples of a recording: an initial state takes half, a parabola and one more, and as many show the fit
+)
 FAR = 6.0  # standard deviations that no error reaches: bounds from a prior or from first samples cut nothing off
 Finite = Annotated[float, ConstantField(Constant("", ""))]
 T = TypeVar("T", bound=FileTable)
@@ -361,7 +363,7 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, entry.file)
     notes += more
-    if len(keep) < FEWEST:
+    if len(keep) < FEWEST_SAMPLES:
         raise InputError(_too_few(t, keep, where, entry.file, time.column))
     if text := impossible(t[keep]) or _parted(t[keep]):
         raise InputError(f"{where}.time: {show(time.column)}: {text}")
@@ -430,20 +432,20 @@ def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
 def _too_few(t: Array, keep: NDArray[np.int64], where: str, file: str, column: str) -> str:
     """Why a recording has too few rows in order of time: the file has no more, or its time does not rise."""
     there = t[np.isfinite(t)]
-    if len(there) < FEWEST:
-        return f"{where}.file: {show(file)}: has {len(there)} rows with a time: must have at least {FEWEST}"
+    if len(there) < FEWEST_SAMPLES:
+        return f"{where}.file: {show(file)}: has {len(there)} rows with a time: must have at least {FEWEST_SAMPLES}"
     i = int(np.argmax(np.diff(there) <= 0))
     does = "repeats" if there[i + 1] == there[i] else f"falls from {there[i]:.6g} s to"
     return (
         f"{where}.time: {show(column)}: {does} {there[i + 1]:.6g} s: {len(keep)} of {len(there)} rows are in order of time, "
-        f"must be at least {FEWEST}"
+        f"must be at least {FEWEST_SAMPLES}"
     )
 
 
 def _parted(t: Array) -> str | None:
     """What is wrong with a time that jumps by more than all other samples last."""
     steps = np.diff(t)
-    if not len(steps) or not 2 * np.max(steps) > t[-1] - t[0] or len(steps) < FEWEST:
+    if not len(steps) or not 2 * np.max(steps) > t[-1] - t[0] or len(steps) < FEWEST_SAMPLES:
         return None
     i = int(np.argmax(steps))
     return f"jumps from {t[i]:.6g} s to {t[i + 1]:.6g} s, longer than all the rest: must be two recordings"

@@ -21,7 +21,7 @@ from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, Mod
 from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState, one_sided
 from stribeck.identify.models.curves import REACHED
-from stribeck.identify.models.record import BLOCKS, ROWS
+from stribeck.identify.models.record import BLOCK_ROWS, BLOCKS
 from stribeck.laws.base import Law
 
 SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
@@ -235,7 +235,7 @@ def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
     log = np.concatenate([np.full(len(t.t), float(problem.runs[k].log)) for k, t, _ in problem.pieces])
     time = np.concatenate([t.t for _, t, _ in problem.pieces])
     compared = len(time)
-    count = int(np.clip(compared // ROWS, 2, BLOCKS))
+    count = int(np.clip(compared // BLOCK_ROWS, 2, BLOCKS))
     block = np.full(problem.size, -1, np.intp)
     block[np.lexsort((time, log))] = np.arange(compared) * count // compared
     return block

@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.recordings import FAR, FEWEST, Channel, Recording
+from stribeck.identify.actuator.recordings import FAR, FEWEST_SAMPLES, Channel, Recording
 from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, least_step, recorded_run
 from stribeck.identify.features.filtering import roughness
 from stribeck.scenario import Scenario
@@ -60,7 +60,7 @@ def state_at(channel: Channel) -> tuple[float, float, float, float]:
         parabola, *_ = np.linalg.lstsq(A, x[near], rcond=None)
         left = x[near] - A @ parabola
         rough = float(np.sqrt(left @ left / max(len(s) - 3, 1)))
-        if rough <= _BENDS * noise or count <= FEWEST // 2:
+        if rough <= _BENDS * noise or count <= FEWEST_SAMPLES // 2:
             break
     spread = max(rough, least_step(x[near]) / 3) * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
     spread[:2] += np.ptp(x[near]) / FAR  # the motion may bend more than a parabola: bounds must not cut it off

@@ -23,7 +23,7 @@ DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
 SHARE = 0.5  # of the forms is withheld in a replicate: each form is missing in half of them
 WORSE = 2.0  # largest ratio of a replicate's squared residual to the reported model's: a worse one is no model of the record
 AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts, round numbers: of 40 draws the 38th and the 36th largest
-LAGS = 4.0  # times the correlated rows: Bartlett's weights then keep nine tenths of the correlation
+BARTLETT = 4.0  # times the correlated rows: Bartlett's weights then keep nine tenths of the correlation
 EXPLAINED = 0.25  # of the force's standard deviation: with a larger residual, nothing is identified
 
 
@@ -205,7 +205,7 @@ def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
 def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
     """Standard errors of estimates with an autocorrelated residual."""
     n, score = len(r), columns * r[:, None]
-    lags = int(min(max(LAGS * rows_together(r), LAGS), n // 6))
+    lags = int(min(max(BARTLETT * rows_together(r), BARTLETT), n // 6))
     meat = score.T @ score
     for lag in range(1, lags + 1):
         g = score[lag:].T @ score[:-lag]

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST, low_pass
-from stribeck.identify.data.quality import FEWEST, Clean
+from stribeck.identify.data.quality import FEWEST_ROWS, Clean
 
 _SAME_STEP = 1e-3  # of the step: files that differ by less share a grid
 _WINDOW = 25  # changes of a column: fewer do not show its clock
@@ -50,7 +50,7 @@ def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool
         own_time = np.interp(rows, np.arange(len(time)), time)
         columns[role] = np.interp(time, np.append(time[0], own_time), x[np.append(0, changes)])
         remedy = "it was interpolated linearly between its samples"
-        if role == "force" and one_run and known and not whole and len(own_time) >= _ENOUGH * FEWEST:
+        if role == "force" and one_run and known and not whole and len(own_time) >= _ENOUGH * FEWEST_ROWS:
             force_samples, remedy = (own_time, x[changes]), "the log was resampled at its samples"
         notes.append(f"{name}: {role} has a slower clock, with one sample in {every} rows; {remedy}")
     if force_samples is None:
@@ -100,7 +100,7 @@ def on_one_clock(parts: Sequence[Clean]) -> tuple[list[Clean], float, list[str]]
     note = f"the files are sampled at different steps ({stated} s); all were resampled to {step:.4g} s"
     out = []
     for p in parts:
-        long = [r for r in p.runs if len(even_times(p.columns["time"][r], step)) >= FEWEST]
+        long = [r for r in p.runs if len(even_times(p.columns["time"][r], step)) >= FEWEST_ROWS]
         out.append(replace(p, runs=long, even=p.even and same_step(p.step, step)))
     return out, step, [note]
 

@@ -16,7 +16,7 @@ from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import even_times, on_one_clock, released, resampled, same_step
 from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
-from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped, unwrapping_note
+from stribeck.identify.data.quality import FEWEST_ROWS, Clean, clean, unwrapped, unwrapping_note
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.smoother import LOOK, likeliest
 from stribeck.identify.data.units import is_rotary
@@ -128,13 +128,21 @@ def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) ->
 def _columns(
     parts: Sequence[Clean], measured: str, step: float, cutoff: float, order: int, trim: int, spline: bool
 ) -> tuple[dict[str, Array], list[int]]:
-    """Every column of the log, and the rows of each run."""
+    """Every column of the log, and the rows of each run.
+
+    Raises:
+        InputError: the filter leaves fewer rows than a fit needs.
+    """
     runs = [
         _run(part, rows, _grid(part, rows, step), step, cutoff, order, measured, spline)
         for part in parts for rows in part.runs
     ]  # fmt: skip
     lengths = [max(len(run["time"]) - trim, 0) for run in runs]
-    _require_rows(max(len(run["time"]) for run in runs), trim)
+    if (rows := max(len(run["time"]) for run in runs)) - trim < FEWEST_ROWS:
+        raise InputError(
+            f"{arg('data')}: the longest run has {rows} rows, and the filter needs {trim} to settle: fewer than "
+            f"{FEWEST_ROWS} are left; use a longer record or a higher {arg('cutoff')}"
+        )
     if len(runs) == 1:  # a long run is not copied
         return {name: x[trim:] for name, x in runs[0].items()}, lengths
     return {name: np.concatenate([run.pop(name)[trim:] for run in runs]) for name in list(runs[0])}, lengths
@@ -165,19 +173,6 @@ def _without_ends(
         return slice(None), []
     text = f"the last {np.sum(~keep)} rows were left out: the record ends in motion, and the filter is wrong there"
     return (slice(None, -end) if len(lengths) == 1 else keep), [text]  # a slice copies nothing
-
-
-def _require_rows(rows: int, trim: int) -> None:
-    """Check the rows of the longest run after the filter has settled.
-
-    Raises:
-        InputError: fewer than a fit needs.
-    """
-    if rows - trim < FEWEST:
-        raise InputError(
-            f"{arg('data')}: the longest run has {rows} rows, and the filter needs {trim} to settle: fewer than {FEWEST} are "
-            f"left; use a longer record or a higher {arg('cutoff')}"
-        )
 
 
 def _grid(part: Clean, rows: slice, step: float) -> Array:

@@ -15,7 +15,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.log import MANY_ROWS
 
 Mask = NDArray[np.bool_]
-FEWEST = 50  # rows of a run: a filter takes about as many to settle, and fewer rows hold no reversal
+FEWEST_ROWS = 50  # rows of a run: a filter takes about as many to settle, and fewer rows hold no reversal
 EVEN = 1e-2  # of the step: deviation up to which times count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run: up to five lost samples are interpolated
 _ALIKE = 0.95  # least correlation of the displacements by position and by velocity
@@ -51,38 +51,38 @@ class Clean:
     notes: list[str]
 
 
-def clean(columns: dict[str, Array], number: str) -> Clean:
+def clean(columns: dict[str, Array], file: str) -> Clean:
     """Repair or leave out faults: empty cells, repeated times, gaps, uneven sampling, outliers, stuck and clipped sensors.
 
     Args:
         columns: by role, SI; they may be changed.
-        number: the file's name in messages.
+        file: the file's name in messages.
 
     Raises:
         InputError: too few rows, time that goes backwards, a column of empty cells or of impossible magnitude.
     """
     notes: list[str] = []
-    _require_rows(columns, number)
-    columns = _without_empty(columns, number, notes)
-    _require_magnitudes(columns, number)
+    _require_rows(columns, file)
+    columns = _without_empty(columns, file, notes)
+    _require_magnitudes(columns, file)
     time, run_numbers = columns["time"], columns.pop("run", None)
     steps, new_run = _steps(time, run_numbers)
     if (back := np.flatnonzero((steps < 0) & ~new_run)).size:
         row = int(back[0]) + 1
         raise InputError(
-            f"{arg('time')}: {number}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
+            f"{arg('time')}: {file}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
             f"must rise within a run (name the runs' column with {arg('run')})"
         )
     if not steps.any():
-        raise InputError(f"{arg('time')}: {number}: {time[0]:.9g} s in every row; must rise")
+        raise InputError(f"{arg('time')}: {file}: {time[0]:.9g} s in every row; must rise")
     repeated = np.append(False, (steps == 0) & ~new_run)
     if count := int(repeated.sum()):
-        notes.append(f"{number}: {count} rows repeat the time of the row before and were left out")
+        notes.append(f"{file}: {count} rows repeat the time of the row before and were left out")
         columns = {name: x[~repeated] for name, x in columns.items()}
         run_numbers = None if run_numbers is None else run_numbers[~repeated]
         time = columns["time"]
         steps, new_run = _steps(time, run_numbers)
-    _require_rows(columns, number)
+    _require_rows(columns, file)
     some = steps[:: max(len(steps) // MANY_ROWS, 1)]
     step = float(np.median(some[some > 0]))
     near = (steps < 1.5 * step) & ~new_run
@@ -92,17 +92,17 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
-            f"{number}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
+            f"{file}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
             "the log was split there, and no filter crosses a gap"
         )
-    runs = _pieces(columns, new_run | gaps, number, notes)
-    _replace_outliers(columns, runs, number, notes)
-    _require_agreement(columns, runs, number)
+    runs = _pieces(columns, new_run | gaps, file, notes)
+    _replace_outliers(columns, runs, file, notes)
+    _require_agreement(columns, runs, file)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= EVEN
     if not even:
         notes.append(
-            f"{number}: samples are not evenly spaced (by up to {off:.3g} of a step of {step:.3g} s); "
+            f"{file}: samples are not evenly spaced (by up to {off:.3g} of a step of {step:.3g} s); "
             "they were resampled evenly by linear interpolation"
         )
     return Clean(columns, runs, step, even, notes)
@@ -114,7 +114,7 @@ def _steps(time: Array, run_numbers: Array | None) -> tuple[Array, Mask]:
     return steps, np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
 
 
-def _require_agreement(columns: dict[str, Array], runs: list[slice], number: str) -> None:
+def _require_agreement(columns: dict[str, Array], runs: list[slice], file: str) -> None:
     """Compare a measured velocity with the slope of the position.
 
     Raises:
@@ -125,7 +125,7 @@ def _require_agreement(columns: dict[str, Array], runs: list[slice], number: str
     ratio = disagreement([(columns["time"][r], columns["position"][r], columns["velocity"][r]) for r in runs])
     if ratio is not None:
         raise InputError(
-            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or {arg('unit')} "
+            f"{arg('velocity')}: {file}: is {ratio:.3g} times the slope of the position; a sign or {arg('unit')} "
             f"is wrong, or it is the velocity of another body (then leave out {arg('position')})"
         )
 
@@ -143,9 +143,9 @@ def disagreement(runs: Iterable[tuple[Array, Array, Array]]) -> float | None:
     for time, x, v in runs:
         way = cumulative_trapezoid(v, time, initial=0)
         jumps = np.flatnonzero(abs(np.diff(x)) > _WRAPPED * np.ptp(x))
-        whole = np.diff(np.searchsorted(jumps, np.arange(0, len(x), FEWEST - 1))) == 0
-        ways.append(np.diff(x[:: FEWEST - 1])[whole])
-        sums.append(np.diff(way[:: FEWEST - 1])[whole])
+        whole = np.diff(np.searchsorted(jumps, np.arange(0, len(x), FEWEST_ROWS - 1))) == 0
+        ways.append(np.diff(x[:: FEWEST_ROWS - 1])[whole])
+        sums.append(np.diff(way[:: FEWEST_ROWS - 1])[whole])
     measured, summed = np.concatenate(ways), np.concatenate(sums)
     if len(measured) < 2:
         return None
@@ -163,7 +163,7 @@ def _ratio(measured: Array, summed: Array) -> float | None:
     return float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
 
 
-def _replace_outliers(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
+def _replace_outliers(columns: dict[str, Array], runs: list[slice], file: str, notes: list[str]) -> None:
     """Replace isolated outliers of motion and force by cubic interpolation.
 
     Such an outlier lasts one row and is no motion of a body and no friction: a lost bit, a disturbed optical encoder, or a
@@ -179,7 +179,7 @@ def _replace_outliers(columns: dict[str, Array], runs: list[slice], number: str,
             columns[role] = columns[role] - off
             first = columns["time"][np.flatnonzero(off)[0]]
             notes.append(
-                f"{number}: {role}: {count} isolated outliers of up to {np.max(abs(off)):.3g} (first at {first:.6g} s) "
+                f"{file}: {role}: {count} isolated outliers of up to {np.max(abs(off)):.3g} (first at {first:.6g} s) "
                 "were replaced by cubic interpolation"
             )
 
@@ -227,17 +227,17 @@ def _distance_from_cubic(x: Array) -> Array:
     return np.asarray(x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6)
 
 
-def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
+def _pieces(columns: dict[str, Array], breaks: Mask, file: str, notes: list[str]) -> list[slice]:
     """The runs between breaks, without the rows of stuck or clipped sensors, if they are long enough."""
-    bad = _repeating(columns, number, notes)
+    bad = _repeating(columns, file, notes)
     breaks = breaks | (bad[1:] != bad[:-1])
     cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(bad)]
     pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
-    runs = [r for r in pieces if r.stop - r.start >= FEWEST]
-    if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
-        notes.append(f"{number}: {lost} rows were left out, in pieces shorter than {FEWEST} rows")
+    runs = [r for r in pieces if r.stop - r.start >= FEWEST_ROWS]
+    if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST_ROWS):
+        notes.append(f"{file}: {lost} rows were left out, in pieces shorter than {FEWEST_ROWS} rows")
     if not runs:
-        raise InputError(f"{arg('data')}: {number}: no run without a gap has {FEWEST} rows")
+        raise InputError(f"{arg('data')}: {file}: no run without a gap has {FEWEST_ROWS} rows")
     return runs
 
 
@@ -247,19 +247,19 @@ def _jitter(time: Array) -> float:
     return float(np.max(abs(time - time[0] - step * np.arange(len(time))))) / step
 
 
-def _require_rows(columns: dict[str, Array], number: str) -> None:
+def _require_rows(columns: dict[str, Array], file: str) -> None:
     rows = len(columns["time"])
-    if rows < FEWEST:
-        raise InputError(f"{arg('data')}: {number}: needs {FEWEST} rows or more for a fit, has {rows}")
+    if rows < FEWEST_ROWS:
+        raise InputError(f"{arg('data')}: {file}: needs {FEWEST_ROWS} rows or more for a fit, has {rows}")
 
 
-def _require_magnitudes(columns: dict[str, Array], number: str) -> None:
+def _require_magnitudes(columns: dict[str, Array], file: str) -> None:
     """Check that the squares of all values are finite.
 
     Raises:
         InputError: a line for each column that is too large or too small.
     """
-    wrong = [f"{arg(role)}: {number}: {text}" for role, x in columns.items() if (text := impossible(x))]
+    wrong = [f"{arg(role)}: {file}: {text}" for role, x in columns.items() if (text := impossible(x))]
     if wrong:
         raise InputError(wrong)
 
@@ -311,17 +311,17 @@ def isolated_outliers(x: Array) -> str | None:
     return f"{text}: correct them or leave their cells empty"
 
 
-def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:
+def _without_empty(columns: dict[str, Array], file: str, notes: list[str]) -> dict[str, Array]:
     keep = np.ones(len(columns["time"]), bool)
     for role, x in columns.items():
         empty = ~np.isfinite(x)
         if count := int(empty.sum()):
             if count > len(x) / 2:
-                raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or not finite")
-            notes.append(f"{number}: {role}: {count} cells are empty or not finite; their rows were left out")
+                raise InputError(f"{arg(role)}: {file}: {count} of {len(x)} cells are empty or not finite")
+            notes.append(f"{file}: {role}: {count} cells are empty or not finite; their rows were left out")
             keep &= ~empty
     if not keep.any():
-        raise InputError(f"{arg('data')}: {number}: no row has a finite value in every column ({', '.join(columns)})")
+        raise InputError(f"{arg('data')}: {file}: no row has a finite value in every column ({', '.join(columns)})")
     return columns if keep.all() else {role: x[keep] for role, x in columns.items()}
 
 
@@ -340,7 +340,7 @@ def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
     return starts, lengths, float(np.quantile(lengths, rank)) if rank > 0 else 1.0, count
 
 
-def _repeating(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
+def _repeating(columns: dict[str, Array], file: str, notes: list[str]) -> Mask:
     """Rows of a clipped or stuck sensor, which usually changes: it repeats one value.
 
     A clipped one repeats its largest or smallest value. A stuck one repeats any value for long while the body moves.
@@ -360,14 +360,14 @@ def _repeating(columns: dict[str, Array], number: str, notes: list[str]) -> Mask
             f"clipped at its largest value {high:.6g}": enough & (value == high),
             f"clipped at its smallest value {low:.6g}": enough & (value == low),
         }
-        stuck = (lengths > max(FEWEST, 20 * usual)) & (moved > still) & ~np.any(list(rows.values()), axis=0)
+        stuck = (lengths > max(FEWEST_ROWS, 20 * usual)) & (moved > still) & ~np.any(list(rows.values()), axis=0)
         rows["the sensor is stuck at one value while the body moves,"] = stuck
         for text, which in rows.items():
             for first, length in zip(starts[which].tolist(), lengths[which].tolist(), strict=True):
                 bad[first : first + length] = True
             if which.any():
                 notes.append(
-                    f"{number}: {role}: {text} in {lengths[which].sum()} rows (first at {time[starts[which][0]]:.6g} s); these "
+                    f"{file}: {role}: {text} in {lengths[which].sum()} rows (first at {time[starts[which][0]]:.6g} s); these "
                     "rows were left out and the log was split there"
                 )
     return bad

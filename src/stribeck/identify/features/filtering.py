@@ -20,16 +20,11 @@ def other_motions(log: Log) -> dict[str, list[Log]]:
     """Variants of a log with a filtered motion, by cause: noise added once more, and a lower cut-off."""
     if log.bandwidth is None:
         return {}
-    rng, deviation = np.random.default_rng(0), noise(log)
+    rng, deviation = np.random.default_rng(0), math.sqrt((log.noise or 0.0) / (2 * log.step))  # of white noise
     return {
         "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
         "filter of the motion": [smoother_log(log)],
     }
-
-
-def noise(log: Log) -> float:
-    """The standard deviation of white noise of the measured motion, or 0 if it is unknown."""
-    return math.sqrt((log.noise or 0.0) / (2 * log.step))
 
 
 def roughness(parts: Sequence[Array], order: int = 3, typical: bool = False) -> float:

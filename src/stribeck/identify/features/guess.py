@@ -14,9 +14,9 @@ from stribeck.laws.base import Law
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
 RISE = 0.3  # of the friction level: a smaller rise is noise or inertia
 _FEWEST_AT_REST = 8  # samples: a quarter at the edges is left out
-HALF = 0.5  # of the fastest speed: with a larger v_s, the curve cannot be separated from viscous friction
+HIGHEST_V_S = 0.5  # of the fastest speed: with a larger v_s, the curve cannot be separated from viscous friction
 # Values of v_s on the grid, over the fastest speed: nine values are a factor of 2 apart.
-_BENDS, _PLACES = (1e-3, HALF), 9
+_BENDS, _PLACES = (1e-3, HIGHEST_V_S), 9
 # Width of the smooth sign, over the fastest speed; and over v_s, so that it does not hide the Stribeck effect.
 _SIGN, _WITHIN = 0.01, 0.3
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel, for a log without reversals: 10 um of an axis of 0.1 m
@@ -159,7 +159,9 @@ def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str
         "sigma_2": rough("sigma_2", 1e-4 * f / fast, 10 * f / fast),
         "F_c": rough("F_c", 0.03 * f, 6 * f),
         "F_s": rough("F_s", 0.05 * f, 10 * f),
-        "v_s": rough("v_s", 3e-5 * fast, HALF * fast),  # greased guides and gears have about 3e-3 of the fastest speed
+        "v_s": rough(
+            "v_s", 3e-5 * fast, HIGHEST_V_S * fast
+        ),  # greased guides and gears have about 3e-3 of the fastest speed
     }
     for name, constant in law.constants().items():
         if name not in known:

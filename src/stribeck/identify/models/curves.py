@@ -10,13 +10,13 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.identify.core.library import IMPOSSIBLE, STEEP, UNNOTICED
 from stribeck.identify.core.states import Estimate, one_sided
-from stribeck.identify.features.guess import HALF
+from stribeck.identify.features.guess import HIGHEST_V_S
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # that have columns; other laws are fitted by simulation
 REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
 BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to rounding; tanh bends over all speeds
 EXPONENTS = (0.4, 10.0)  # of the Stribeck curve: five times less and more than 2
-HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
+HIGHEST_LEVEL = 3.0  # times the largest force: a level above it is balanced by another one
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
 SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades: a third apart
 ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a shape are taken; of 0 they are 0
@@ -75,7 +75,7 @@ class SteadyCurve:
         """Between which values the shapes are searched: what the record's speeds can show."""
         v = np.sort(abs(v[v != 0]))
         fast, slow = float(v[-1]), max(float(v[len(v) // 100]), 1e-3 * float(v[-1]))
-        every = {"v_s": (slow, HALF * fast), "k_v": (FLAT / fast, BENT / slow), "delta": EXPONENTS}
+        every = {"v_s": (slow, HIGHEST_V_S * fast), "k_v": (FLAT / fast, BENT / slow), "delta": EXPONENTS}
         return {n: every[n] for n in self.shapes}
 
     def constants(self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, v: Array) -> dict[str, float]:
@@ -99,7 +99,7 @@ class SteadyCurve:
         """A factor on the squared residual of coefficients that cannot be."""
         heights = np.array([x[n] for n in self.names])
         size = abs(heights[0])
-        out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, 1.0)
+        out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST_LEVEL * largest), IMPOSSIBLE, 1.0)
         below = [x["rise"]] if self.rises else []
         below += [x["mass"]] if "mass" in x else []
         below += [x["sigma_2"] * fast + UNNOTICED * size] if "sigma_2" in x else []
@@ -109,7 +109,7 @@ class SteadyCurve:
 
     def possible(self, c: Sequence[float], largest: float) -> bool:
         """Whether a law has such coefficients."""
-        return c[0] > 0 and max(map(abs, c)) <= HIGHEST * largest
+        return c[0] > 0 and max(map(abs, c)) <= HIGHEST_LEVEL * largest
 
     def anchored(self, c: Sequence[float]) -> dict[str, float]:
         """Coefficients with which slopes are taken: none of them 0."""

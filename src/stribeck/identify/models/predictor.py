@@ -24,7 +24,7 @@ from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.record import FEWEST, MOST_ROWS, LawColumns, Record, beside_rest, body_columns
+from stribeck.identify.models.record import FEWEST_BLOCKS, MOST_ROWS, LawColumns, Record, beside_rest, body_columns
 from stribeck.identify.models.steady import SteadyLibrary, optimum
 
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -100,7 +100,7 @@ def predictor(choice: Selection[SteadyLibrary], log: Log, slowest: float) -> Pre
     if not len(moving):
         moving = np.arange(len(log))
     count = len(choice.library.gram)
-    fold_of_block = np.arange(count) * min(FEWEST, count) // count
+    fold_of_block = np.arange(count) * min(FEWEST_BLOCKS, count) // count
     fold = fold_of_block[_block_of(choice.library.record, log)[moving]]
     candidates = (True,) if choice.alone else (False, True)
     left, slides = np.zeros((2, len(candidates))), abs(log.velocity) >= slowest

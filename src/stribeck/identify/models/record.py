@@ -28,7 +28,7 @@ _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sig
 _LITTLE_REST = 0.02  # of the rows: less rest moves no estimate, and stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
 _BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
-FEWEST, ROWS = 6, 12  # blocks of a short record, and parts of cross-validation; rows of a block
+FEWEST_BLOCKS, BLOCK_ROWS = 6, 12  # blocks of a short record, and parts of cross-validation; rows of a block
 RINGS = 4  # kept rows about a reversal in which the thinning filter rings (its order is 8): the sign is not known there
 RISE = 0.35  # periods of the cut-off: the rise time of the motion's filter
 LEFT = 0.6  # of the rows in motion: a record that rings more often has no others, and keeps them
@@ -250,7 +250,11 @@ def _blocks(log: Log, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[n
     n, block, used = len(at), np.empty(len(at), np.intp), 0
     for each in np.unique(file):
         rows = np.flatnonzero(file == each)
-        count = int(np.clip(len(rows) // ROWS, FEWEST if len(rows) == n else 1, max(round(BLOCKS * len(rows) / n), 1)))
+        count = int(
+            np.clip(
+                len(rows) // BLOCK_ROWS, FEWEST_BLOCKS if len(rows) == n else 1, max(round(BLOCKS * len(rows) / n), 1)
+            )
+        )
         block[rows] = used + np.arange(len(rows)) * count // len(rows)
         used += count
     return block, file
