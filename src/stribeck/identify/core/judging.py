@@ -16,7 +16,7 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Of, Selection, rows_together
-from stribeck.identify.core.library import DEAD, RIDGE
+from stribeck.identify.core.library import DEAD, RIDGE, Model, ModelLibrary
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 
 DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
@@ -38,18 +38,16 @@ def judged(
             bias of the reported estimates.
         trusted: whether the model describes all measured columns; if not, nothing is identified.
     """
-    lib, model, x = choice.library, choice.model, choice.coefficients
-    value = lib.parameters(model, x)
-    slope = _slopes(choice, value)
-    by_ratio = np.array([n in lib.by_ratio for n in value])
-    within, between = covariance(choice, slope), of_other_files(choice, slope)
+    lib, i = choice.library, choice.library.index(choice.model)
+    value = lib.parameters(choice.model, choice.coefficients)
+    base, by_ratio = np.array(list(value.values())), np.array([n in lib.by_ratio for n in value])
+    slope, inverse = _slopes(choice, base), _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
+    within, between = _covariance(choice, slope, inverse), _of_other_files(choice, slope @ inverse)
     part: dict[str, Array] = {"C": np.maximum(within, between)}
-    part["A"], part["B"], withheld = _redrawn(choice, value, by_ratio, draws)
-    part["H"], hidden = _hidden(choice, slope)
-    base = np.array(list(value.values()))
-    part["M"] = (
-        np.zeros(len(value)) if lower is None else abs(_moved(np.array([lower[n] for n in value]), base, by_ratio))
-    )
+    part["A"], part["B"], withheld = _redrawn(choice, base, by_ratio, draws)
+    part["H"], hidden = _hidden(choice, slope, inverse)
+    lower = value if lower is None else lower
+    part["M"] = abs(_moved(np.array([lower[n] for n in value]), base, by_ratio))
     interval = np.sqrt(part["C"] ** 2 + part["A"] ** 2 + part["M"] ** 2)
     wide = np.sqrt(interval**2 + part["B"] ** 2 + part["H"] ** 2)
     trusted &= missed(choice) <= EXPLAINED
@@ -75,18 +73,20 @@ def missed(choice: Selection[Of]) -> float:
     return float(np.sqrt(np.mean(r**2)) / max(lib.deviation, 1e-300))
 
 
-def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
+def _estimates(lib: ModelLibrary, model: Model, x: Array) -> Array:
+    """All estimates of a model, in order."""
+    return np.array(list(lib.parameters(model, x).values()))
+
+
+def _slopes(choice: Selection[Of], base: Array) -> Array:
     """The derivatives of the estimates by the coefficients."""
-    lib, model, x = choice.library, choice.model, choice.coefficients
-    base, slope = np.array(list(value.values())), np.empty((len(value), len(x)))
-    for c in range(len(x)):
-        h = np.zeros(len(x))
-        h[c] = 1e-5 * max(abs(x[c]), 1e-5)
-        slope[:, c] = (np.array(list(lib.parameters(model, x + h).values())) - base) / h[c]
-    return slope
+    x = choice.coefficients
+    steps = np.diag(1e-5 * np.maximum(abs(x), 1e-5))
+    moved = [(_estimates(choice.library, choice.model, x + h) - base) / h.max() for h in steps]
+    return np.array(moved).T
 
 
-def covariance(choice: Selection[Of], slope: Array) -> Array:
+def _covariance(choice: Selection[Of], slope: Array, inverse: Array) -> Array:
     """C: the largest of several standard errors, times Student's t.
 
     They are the delete-a-block jackknife, Newey and West's error, and the posterior with a prior of one largest force. Known
@@ -102,13 +102,13 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     prior = np.diag(np.maximum(moved, 1e-12 * np.max(moved)) * natural) / rows / lib.largest**2
     left = max(float(r @ r) / rows, 1e-12 * lib.largest**2)
     unseen = np.sqrt(np.diag(slope @ np.linalg.inv(gram / left + prior) @ slope.T))
-    to_estimates = slope @ _inverse(gram, natural)
+    to_estimates = slope @ inverse
     known = sum((np.mean((d @ j @ to_estimates.T) ** 2, axis=0) for d in lib.drawn), np.zeros(len(slope)))
     both = np.max([blocks, newey_west(j, r, to_estimates), unseen, np.sqrt(known)], axis=0)
     return np.asarray(student.ppf(0.975, len(lib.gram) - 1) * both)
 
 
-def of_other_files(choice: Selection[Of], slope: Array) -> Array:
+def _of_other_files(choice: Selection[Of], to_estimates: Array) -> Array:
     """C for another file, as the files differ; 0 with one file.
 
     It is the cluster-robust error of Liang and Zeger (Biometrika 73, 1986). A jackknife would fail where one file alone shows
@@ -116,9 +116,8 @@ def of_other_files(choice: Selection[Of], slope: Array) -> Array:
     """
     lib, i, x = choice.library, choice.library.index(choice.model), choice.coefficients
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
-    n, to_estimates = len(files), slope @ _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
-    if n == 1:
-        return np.zeros(len(slope))
+    if (n := len(files)) == 1:
+        return np.zeros(len(to_estimates))
     pulls = (files[:, i, 0] - files[np.ix_(range(n), i, i)] @ x[: len(i)]) @ to_estimates.T
     return np.asarray(student.ppf(0.975, n - 1) * np.sqrt(n / (n - 1) * np.sum(pulls**2, axis=0)))
 
@@ -131,23 +130,17 @@ def _jackknife(gram: Array, i: list[int], natural: Array, slope: Array) -> Array
     return np.asarray(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(axis=0)) ** 2, axis=0)))
 
 
-def _redrawn(
-    choice: Selection[Of], value: Mapping[str, float], by_ratio: Array, draws: int
-) -> tuple[Array, Array, list[str]]:
+def _redrawn(choice: Selection[Of], base: Array, by_ratio: Array, draws: int) -> tuple[Array, Array, list[str]]:
     """A and B, and the form whose omission moves each estimate most."""
     lib, n, count = choice.library, choice.law, len(choice.library.gram)
     draw, again, moved = np.random.default_rng(0), list[Array](), list[Array]()
     good, which = list[bool](), list[set[str]]()
-    every, base = sorted(lib.groups), np.array(list(value.values()))
     for _ in range(draws):
         drawn = np.bincount(draw.integers(0, count, count), minlength=count).astype(float)
-        withheld: set[str] = set()
-        for shifts, alone in ((again, choice.alone), (moved, False)):
-            _, k, y, ratio = choice.choose(drawn, withheld, n, alone)
-            now = np.array(list(lib.parameters(lib.models[k], y).values()))
-            shifts.append(_moved(now, base, by_ratio))
-            if shifts is again:
-                withheld = {g for g in every if draw.uniform() < SHARE}
+        withheld = {g for g in sorted(lib.groups) if draw.uniform() < SHARE}
+        for shifts, without, alone in ((again, set[str](), choice.alone), (moved, withheld, False)):
+            _, k, y, ratio = choice.choose(drawn, without, n, alone)
+            shifts.append(_moved(_estimates(lib, lib.models[k], y), base, by_ratio))
         good.append(ratio <= WORSE)
         which.append(withheld)
     far = np.asarray(abs(np.array(moved)), float)
@@ -182,12 +175,10 @@ def _cause(choice: Selection[Of], far: Array, which: list[set[str]]) -> list[str
     return [chosen[int(i)] for i in np.argmax(np.array(more), axis=0)]
 
 
-def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
+def _hidden(choice: Selection[Of], slope: Array, inverse: Array) -> tuple[Array, list[str]]:
     """H, and the hidden form that moves each estimate most."""
     lib, model, x = choice.library, choice.model, choice.coefficients
     j, r = lib.columns[:, lib.index(model)], lib.residual(model, x)
-    i = lib.index(model)
-    inverse = _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
     noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
     shifts, names = list[Array](), list[str]()
     for g, members in lib.groups.items():
