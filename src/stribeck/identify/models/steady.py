@@ -247,16 +247,12 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
     shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
     body = np.column_stack([np.empty((len(record.force), 0)), *record.body.values()])
-    best, at_nodes = shapes[0], []
-    least, law = np.inf, record.of(curve)
-    for shape in shapes:
-        x, sse = _plain(record, law, shape, body)
-        at_nodes.append(x)
-        if sse < least:
-            least, best = sse, shape
-    shape, x, _ = optimum(law, best, body, record.force)
+    law = record.of(curve)
+    at_nodes, left = zip(*(_plain(record, law, shape, body) for shape in shapes), strict=True)
+    best = int(np.argmin(left))
+    shape, x, _ = optimum(law, shapes[best], body, record.force)
     if not _sound(curve, shape, x, ranges):
-        shape, x = best, at_nodes[shapes.index(best)]
+        shape, x = shapes[best], at_nodes[best]
     at = anchor(record, curve, shape, speeds)
     out = _with_forms(record, law, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
     n = len(curve.names)
