@@ -64,8 +64,9 @@ class RecordedInput:
         return replace(self, t=t, x=CubicSpline(self.t, self.x)(t))
 
 
-def recorded_input(scenario: Scenario, path: str, t: Array, x: Array, end: float, channel: Channel) -> RecordedInput:
+def recorded_input(scenario: Scenario, path: str, end: float, channel: Channel) -> RecordedInput:
     """A recorded signal by its samples from time 0 to ``end``."""
+    t, x = channel.bridged.t, channel.bridged.x
     rows = slice(max(int(np.searchsorted(t, 0.0, side="right")) - 1, 0), int(np.searchsorted(t, end)) + 1)
     table = entry_at(scenario.data, path.rpartition(".")[0])
     spline = channel.smooth or (isinstance(table, dict) and "feedforward" in table)

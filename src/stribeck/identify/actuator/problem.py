@@ -138,8 +138,9 @@ class MachineProblem:
             name = next(x.name for x in run.scenario.system.bodies if x.free)
             path, now = f"bodies.{name}.initial.y", run.scenario.elements.initial.get(f"{name}.y", 0.0)
             values = {path: np.full(len(U), run.start.get(path, now))}
+        none = np.zeros(len(U))
         delays = {
-            column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
+            column: (sensors.get((column, "delay"), none), sensors.get((column, "clock"), none))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
         columns = run.predict(values, delays, threads or self.threads, shift, signals)

@@ -22,7 +22,7 @@ from stribeck.simulation.variations import Variations, vary
 from stribeck.waveforms import Signal
 from stribeck.waveforms.piecewise import PointsSignal
 
-Late = tuple[Array | None, Array | None]  # of each lane: constant delay, s, and clock drift, s/s
+Late = tuple[Array, Array]  # of each lane: constant delay, s, and clock drift, s/s
 # Samples from which an initial state is estimated: few enough for a parabola, and a slope's noise is a twelfth.
 FIRST_SAMPLES = 12
 _FINER = 5  # rows of a step, if a delay is fitted: a cubic spline between them errs by less than the solver
@@ -124,9 +124,7 @@ class RecordedRun:
         for i, target in enumerate(self.targets):
             x = np.where(whole[:, None], columns[target.column], np.nan)
             late = delays.get(target.column)
-            if late is not None:
-                late = tuple(None if each is None else each[good] for each in late)  # type: ignore[assignment]
-            predicted[i][good] = at_times(grid, x, target, late)
+            predicted[i][good] = at_times(grid, x, target, late and (late[0][good], late[1][good]))
         return predicted
 
     def _signals(self, shares: Mapping[str, Array], count: int) -> dict[str, Sequence[Signal]]:
@@ -152,7 +150,7 @@ def at_times(grid: Array, x: Array, target: Channel, late: Late | None) -> Array
     columns = np.full((len(x), len(target.t)), np.nan)
     for i, row in enumerate(x):
         if np.isfinite(row).all():
-            delay, clock = (0.0 if late is None or (each := late[j]) is None else float(each[i]) for j in (0, 1))
+            delay, clock = (float(each[i]) for each in late) if late else (0.0, 0.0)
             t = np.clip(target.t * (1 - clock) - delay, grid[0], grid[-1])
             smooth = target.column.endswith((".y", ".v")) and len(grid) > 3
             columns[i] = CubicSpline(grid, row)(t) if smooth else np.interp(t, grid, row)
@@ -225,8 +223,8 @@ def compared(recording: Recording, end: float) -> list[Channel]:
 
 def driven_by(scenario: Scenario, recording: Recording) -> dict[str, RecordedInput]:
     """The recorded inputs by path."""
-    whole, end = {path: (c, c.bridged) for path, c in recording.inputs.items()}, float(recording.t[-1])
-    return {path: recorded_input(scenario, path, b.t, b.x, end, c) for path, (c, b) in whole.items()}
+    end = float(recording.t[-1])
+    return {path: recorded_input(scenario, path, end, c) for path, c in recording.inputs.items()}
 
 
 def _step(recording: Recording) -> float:
