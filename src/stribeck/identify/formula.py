@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from stribeck import laws
 from stribeck.constants import Column
-from stribeck.identify.core.forms import in_words
+from stribeck.identify.models.forms import in_words
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import LogFit
 from stribeck.laws.base import Law

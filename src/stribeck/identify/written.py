@@ -11,8 +11,8 @@ from stribeck import laws
 from stribeck.errors import note
 from stribeck.files import seen_from, together, write_text
 from stribeck.identify.actuator.result import MachineFit
-from stribeck.identify.core.forms import OF_LEVEL, in_words
 from stribeck.identify.core.states import Estimate
+from stribeck.identify.models.forms import OF_LEVEL, in_words
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, LogFit
 from stribeck.identify.saved import FILE, MACHINE, text_of

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.core.forms import in_words
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.forms import in_words
 from stribeck.identify.models.over_position import ripple_waves
 from stribeck.identify.models.predictor import of_json, predictor
 from stribeck.identify.models.record import record_of, rows_of, shortened

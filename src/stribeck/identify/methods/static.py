@@ -16,7 +16,6 @@ from stribeck import laws
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import roughness, smoother_log
@@ -24,6 +23,7 @@ from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.models.predictor import Predictor, predictor
 from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
 from stribeck.identify.models.steady import SteadyLibrary, chosen

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.forms import BESIDE_FRICTION, OF_RECORD, Anchor, Key, forms
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.forms import BESIDE_FRICTION, OF_RECORD, Anchor, Key, forms
 from stribeck.identify.models.record import FEWEST_BLOCKS, MOST_ROWS, LawColumns, Record, beside_rest, body_columns
 from stribeck.identify.models.steady import SteadyLibrary, optimum
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
-from stribeck.identify.core.forms import WIDTHS, Anchor, Key, fits, forms, is_bend, sliding, steady
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, UNNOTICED, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import INTEGRAL
 from stribeck.identify.models.curves import SPEEDS, SteadyCurve
+from stribeck.identify.models.forms import WIDTHS, Anchor, Key, fits, forms, is_bend, sliding, steady
 from stribeck.identify.models.over_position import ripple_range, ripple_waves, travel
 from stribeck.identify.models.record import LawColumns, Record
 from stribeck.identify.models.transmission import Transmission

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from stribeck.arrays import Array
-from stribeck.identify.core.forms import behind, coupling, filtered
 from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.forms import behind, coupling, filtered
 from stribeck.identify.models.over_position import direction_along
 from stribeck.identify.models.record import Record, body_columns, kept_rows
 
