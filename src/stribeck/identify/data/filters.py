@@ -17,8 +17,7 @@ HIGHEST = 0.4  # of the sampling rate: the highest cut-off; the edge of a digita
 SETTLED = 5.0  # periods of the cut-off, at the start of a run, in which the filter settles
 ASTRAY = 1.5  # periods of the cut-off, at the end of a run in motion, in which the filter's continuation is wrong
 _STAGE = 13  # largest reduction by one Chebyshev filter of order 8, as MATLAB advises for decimate
-_FORGOTTEN = 1e-10  # rest of a filter's state where pieces meet: below the sensors' last bit
-_KNOTS = 32  # of a cubic spline: each reduces the effect of an end by 2 + sqrt(3), all to rounding
+_FORGOTTEN = 1e-10  # rest of a filter's state, or of a spline's end, where pieces meet: below the sensors' last bit
 _ENDS = 1.2  # periods of the cut-off by which a run is continued: 5 % of an edge remains there
 
 
@@ -92,9 +91,10 @@ def spline_derivative(x: Array, step: float) -> Array:
     At a tenth of the sampling rate the amplitude is 0.1 % too small; with central differences it is 6 % too small.
     """
     out = np.empty(len(x))
+    overlap = int(-np.log(_FORGOTTEN) / np.log(2 + 3**0.5)) + 1  # each knot divides the effect of an end by 2 + sqrt(3)
     for first in range(0, len(x), MANY_ROWS):
         last = min(first + MANY_ROWS, len(x))
-        low, high = max(first - _KNOTS, 0), min(last + _KNOTS, len(x))
+        low, high = max(first - overlap, 0), min(last + overlap, len(x))
         t = step * np.arange(high - low)
         out[first:last] = CubicSpline(t, x[low:high])(t[first - low : last - low], 1)
     return out

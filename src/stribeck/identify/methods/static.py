@@ -26,7 +26,7 @@ from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
 from stribeck.identify.models.predictor import Predictor, predictor
 from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
-from stribeck.identify.models.steady import SteadyLibrary, chosen
+from stribeck.identify.models.steady import RANK, SteadyLibrary, chosen
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
@@ -39,7 +39,6 @@ WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
 _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: steepness for an exact sign
-_LEAST = 1e-9  # of the largest force: the least level of a law for simulation
 
 
 def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Progress | None = None) -> LogFit:
@@ -202,7 +201,7 @@ def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], l
     """The law's constants, valid for simulation: levels above 0, and none below F_c."""
     constants = laws.find(choice.library.curve.law).constants()
     out = {n: estimates[n].value for n in constants if n in estimates}
-    for name, least in (("F_c", _LEAST * largest), ("sigma_2", 0.0)):
+    for name, least in (("F_c", RANK * largest), ("sigma_2", 0.0)):
         if name in out:
             out[name] = max(out[name], least)
     if {"F_c", "F_s"} <= out.keys():
