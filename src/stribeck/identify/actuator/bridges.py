@@ -48,8 +48,6 @@ def bridged(t: Array, x: Array) -> Bridged:
     order = np.argsort(new := np.concatenate([t, there]))
     whole = np.concatenate([x, ways[best[gap], np.arange(len(lost))]])[order]
     error = np.min(errors, axis=0)
-    if not np.max(error) > 0:
-        return Bridged(new[order], whole, whole[None][:0])
     sides = np.random.default_rng(0).choice([-1.0, 1.0], (DRAWS, len(error)))
     bulge = np.concatenate([_bulge(lost[gap == i]) for i in range(len(error))])
     added = np.concatenate([np.zeros((DRAWS, len(t))), (error * sides)[:, gap] * bulge], axis=1)

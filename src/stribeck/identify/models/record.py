@@ -17,7 +17,6 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.terms import TERMS, column
 
-Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted: what is cut off is 3 % of its deviation
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
 MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbors behind the filter are alike
@@ -106,16 +105,8 @@ def decimation(log: Log, few: int) -> int:
     return q
 
 
-def thinning(log: Log, q: int) -> Reduce:
-    """Filter and decimation of each run."""
-    if q == 1:
-        return lambda x: x
-    runs = list(log.runs())
-    return lambda x: np.concatenate([filters.decimate(x[rows], q) for rows in runs])
-
-
 def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
-    """The rows of the log that :func:`thinning` keeps."""
+    """The rows of the log that are kept behind the filter."""
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
@@ -210,10 +201,6 @@ class Record:
         """A column of the log at the rows that are compared."""
         return self.reduce(x)[self.counted]
 
-    def of(self, curve: SteadyCurve) -> LawColumns:
-        """A law's columns at the rows that are compared."""
-        return LawColumns(curve, self.log.velocity, self.column)
-
 
 def body_columns(log: Log, names: Sequence[str]) -> dict[str, Array]:
     """The columns of the body's coefficients: inertia, viscous friction, and terms."""
@@ -231,7 +218,11 @@ def record_of(rows: Rows, terms: Sequence[str], given: Mapping[str, float], all_
         all_rows: rows about reversals and at ends too, as in the published procedure.
     """
     log, q = rows.log, rows.q
-    reduce = thinning(log, q)
+    runs = list(log.runs())
+
+    def reduce(x: Array) -> Array:
+        return np.concatenate([filters.decimate(x[run], q) for run in runs])
+
     counted = rows.moving if all_rows else rows.moving & ~_ringing(log, q)[rows.kept]
     if counted.sum() < LEFT * rows.moving.sum():
         counted = rows.moving

@@ -247,7 +247,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
     shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
     body = np.column_stack([np.empty((len(record.force), 0)), *record.body.values()])
-    law = record.of(curve)
+    law = LawColumns(curve, record.log.velocity, record.column)
     at_nodes, left = zip(*(_plain(record, law, shape, body) for shape in shapes), strict=True)
     best = int(np.argmin(left))
     shape, x, _ = optimum(law, shapes[best], body, record.force)
