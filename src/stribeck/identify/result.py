@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, TypedDict
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.states import Estimate as Estimate
-from stribeck.identify.core.states import EstimateState
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.guess import sizes_of

@@ -40,11 +40,7 @@ def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
     return out
 
 
-@lru_cache
-def _butterworth(order: int, share: float) -> tuple[Array, Array]:
-    """Coefficients of a Butterworth filter; ``share``: cut-off over half the sampling rate."""
-    b, a = signal.butter(order, share)
-    return b, a
+_butterworth, _chebyshev = lru_cache(signal.butter), lru_cache(signal.cheby1)
 
 
 def low_pass(x: Array, cutoff: float, step: float, order: int = ORDER) -> Array:
@@ -64,16 +60,10 @@ def stages(q: int) -> list[int]:
     return parts
 
 
-@lru_cache
-def _anti_alias(q: int) -> tuple[Array, Array]:
-    b, a = signal.cheby1(8, 0.05, 0.8 / q)
-    return b, a
-
-
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (counted from 0) after a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(*_anti_alias(part), x)[1::part]
+        x = zero_phase(*_chebyshev(8, 0.05, 0.8 / part), x)[1::part]
     return x
 
 
