@@ -48,5 +48,5 @@ def test_a_rise_reaches_to_the_row_of_the_next_reversal():
     v = np.array([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
     y, force = np.cumsum(v), np.array([0.0, 1.0, 2.0, 3.0, 8.0, 0.0])
     log = Log(y, y, v, v, force, np.zeros(6, np.int32), step=1.0)
-    assert list(rises(log, force, 8.0, 1)) == [(4, 8.0, 4.0)]
-    assert not list(rises(log, force, 1e3, 1))
+    assert list(rises(log, 8.0, 1)) == [(4, 8.0, 4.0)]
+    assert not list(rises(log, 1e3, 1))

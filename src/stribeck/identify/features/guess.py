@@ -58,7 +58,7 @@ def sizes_of(log: Log) -> Sizes:
     ahead, back = force[moving & (log.velocity > 0)], force[moving & (log.velocity < 0)]
     offset = float(np.median(ahead) + np.median(back)) / 2 if len(ahead) and len(back) else 0.0
     level = float(np.quantile(abs(force - offset), 0.9))
-    return Sizes(level, fast, _stiffness(log, force, level), float(np.ptp(log.position)), log.step)
+    return Sizes(level, fast, _stiffness(log, level), float(np.ptp(log.position)), log.step)
 
 
 def _reversals(v: Array) -> list[tuple[int, int]]:
@@ -67,20 +67,21 @@ def _reversals(v: Array) -> list[tuple[int, int]]:
     return list(zip(turns, [*turns[1:], len(v) - 1], strict=True)) if turns else []
 
 
-def _stiffness(log: Log, force: Array, level: float) -> float:
+def _stiffness(log: Log, level: float) -> float:
     """The stiffness of the contact in presliding: the upper quartile over stretches of rest and reversals."""
-    slopes = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
+    every = rises(log, level, _REVERSALS_LOOKED_AT)
+    slopes = [*_at_rest(log, level), *(rise / way for samples, rise, way in every if way > 0 and samples)]
     if not slopes:
         return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
     return float(np.quantile(slopes, 0.75))  # after some reversals the contact slides at once
 
 
-def _at_rest(log: Log, force: Array, level: float) -> list[float]:
+def _at_rest(log: Log, level: float) -> list[float]:
     """Force over displacement by least squares, in each stretch of rest with a large change of force."""
     fast = float(np.max(abs(log.velocity)))
     slopes = []
     for rows in log.runs():
-        v, y, f = log.velocity[rows], log.position[rows], force[rows]
+        v, y, f = log.velocity[rows], log.position[rows], log.force[rows]
         edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < STILL * fast, [0]])))
         for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
             margin = (last - first) // 8
@@ -93,20 +94,14 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
     return slopes
 
 
-def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
-    """Force over displacement in the first half of the rise after each reversal, if it lasts a sample or more."""
-    every = rises(log, force, level, _REVERSALS_LOOKED_AT)
-    return [rise / way for samples, rise, way in every if way > 0 and samples]
-
-
-def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int, float, float]]:
+def rises(log: Log, level: float, most: int) -> Iterator[tuple[int, float, float]]:
     """Samples, force and displacement in the first half of each large rise of the force after a reversal.
 
     Args:
         most: largest number of reversals per run.
     """
     for rows in log.runs():
-        y, f = log.position[rows], force[rows]
+        y, f = log.position[rows], log.force[rows]
         for first, last in _reversals(log.velocity[rows])[:most]:
             rise = abs(f[first : last + 1] - f[first])
             if len(rise) > 4 and rise.max() > RISE * level:

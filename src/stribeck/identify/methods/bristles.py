@@ -124,5 +124,5 @@ def _noise_everywhere(log: Log) -> float:
 def shows_presliding(log: Log) -> bool:
     """Whether the force rises over a resolved displacement after several reversals, as in presliding."""
     level, shortest = sizes_of(thinned(log)).force, STEPS * encoder_step([raw(log, "position")])
-    every = rises(log, log.force, level, LOOKED_AT)
+    every = rises(log, level, LOOKED_AT)
     return sum(samples >= RESOLVED and way > shortest for samples, _, way in every) >= FEWEST
