@@ -55,6 +55,8 @@ class Levels:
 class MachineLibrary(ModelLibrary):
     """Columns: residuals, and their derivatives by the coordinates and by all forms, in units of the noise.
 
+    Recordings differ in load and drive, so they are not repeated runs: their files are one.
+
     Attributes:
         sought: the reported coordinates; ``u``: their point.
         J: derivatives of all residuals by all coordinates; ``left``: the step to the linearized problem's optimum.
@@ -76,16 +78,6 @@ class MachineLibrary(ModelLibrary):
     def k(self) -> int:
         """The number of coordinates."""
         return len(self.sought)
-
-    @property
-    def beside(self) -> list[int]:
-        """None: a machine's model has no further columns."""
-        return []
-
-    @property
-    def files(self) -> Array:
-        """One experiment. Recordings differ in load and drive, so they are not repeated runs."""
-        return np.zeros(len(self.gram), int)
 
     @property
     def by_ratio(self) -> frozenset[str]:

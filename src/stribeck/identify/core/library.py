@@ -64,14 +64,14 @@ class ModelLibrary(ABC):
         """The number of columns of a node."""
 
     @property
-    @abstractmethod
     def beside(self) -> list[int]:
         """The columns of every model besides those of its node."""
+        return []
 
     @property
-    @abstractmethod
     def files(self) -> Array:
-        """The file of each block."""
+        """The file of each block, if files are runs of one experiment."""
+        return np.zeros(len(self.gram), int)
 
     @property
     @abstractmethod
