@@ -8,12 +8,12 @@ import numpy as np
 
 from examples.paper.common import Chapter, Done, Printed, finish
 from stribeck.errors import StribeckError
+from stribeck.laws.render import ranges_in_words
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
 from stribeck.properties import WORK, Verdict
 from stribeck.properties.checked import CheckedAlways, largest_v_d
 from stribeck.properties.ranges import of_contact
-from stribeck.properties.verdicts import ranges_in_words
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate

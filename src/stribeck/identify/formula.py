@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from stribeck import laws
 from stribeck.constants import Column
 from stribeck.identify.models.forms import in_words
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.result import LogFit
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.render import equations
+
+if TYPE_CHECKING:
+    from stribeck.identify.result import LogFit
 
 _MEANING = {
     "a": ("acceleration", "m/s^2"), "y": ("position", "m"), "p": ("pressure", "Pa"), "N": ("load", "N"),

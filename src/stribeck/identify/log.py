@@ -114,3 +114,25 @@ def thinned(log: Log) -> Log:
     """A long log with fewer rows, for sizes that do not need all of them."""
     every = len(log) // MANY_ROWS
     return log if every < 2 else log.rows(slice(None, None, every))
+
+
+@dataclass
+class Trace:
+    """A measured column and its simulation."""
+
+    column: str
+    unit: str
+    t: Array
+    measured: Array
+    predicted: Array
+
+    @property
+    def rms(self) -> float:
+        """The rms error."""
+        return float(np.sqrt(np.mean((self.predicted - self.measured) ** 2)))
+
+    @property
+    def relative(self) -> float:
+        """The error relative to the changes of the measured column."""
+        size = float(np.std(self.measured))
+        return self.rms / size if size > 0 else float("inf")

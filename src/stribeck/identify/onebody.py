@@ -22,13 +22,13 @@ from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import FEWEST_SAMPLES, Channel, Logs, Recording, Sought
-from stribeck.identify.actuator.result import MachineFit, Trace
+from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
-from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio
+from stribeck.identify.log import ENOUGH_ROWS, Log, Trace, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.models.record import shortened
 from stribeck.identify.models.terms import TERMS

@@ -10,18 +10,18 @@ import numpy as np
 
 from stribeck.errors import InputError, arg
 from stribeck.identify import api
-from stribeck.identify.actuator.result import Trace
 from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import Log, size_ratio
+from stribeck.identify.log import Log, Trace, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.onebody import initial_deflections, parts
 from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.identify.validate import Validated, validate
 from stribeck.mouth.cells import percent
-from stribeck.mouth.document import Document, Told
+from stribeck.mouth.document import Document
+from stribeck.mouth.terminal import Told
 from stribeck.scenario import Scenario
 
 

@@ -16,18 +16,18 @@ from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import Log, size_ratio, thinned
+from stribeck.identify.log import Log, Trace, size_ratio, thinned
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.predictor import EXPECTED, Predictor
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 from stribeck.mouth.cells import percent
-from stribeck.mouth.document import Document, Told
+from stribeck.mouth.document import Document
+from stribeck.mouth.terminal import Told
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stribeck.identify.actuator.result import Trace
     from stribeck.identify.predict import Predicted
 
 _FURTHER = ("forms", "friction_error", "missed", "rest", "output_error", "nearest_stribeck")  # of JSON, where they are

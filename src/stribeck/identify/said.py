@@ -11,8 +11,8 @@ import numpy as np
 from stribeck import laws
 from stribeck.constants import rotary_unit
 from stribeck.identify import figures
-from stribeck.identify.actuator.result import Trace
 from stribeck.identify.formula import model_lines
+from stribeck.identify.log import Trace
 from stribeck.identify.models.forms import in_words
 from stribeck.mouth.cells import human, percent
 from stribeck.mouth.document import (

@@ -12,9 +12,10 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg, note
-from stribeck.identify.actuator.result import Trace
 from stribeck.identify.data.read import ColumnNames, read
-from stribeck.mouth.document import Document, Told
+from stribeck.identify.log import Trace
+from stribeck.mouth.document import Document
+from stribeck.mouth.terminal import Told
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 from stribeck.waveforms.piecewise import FileSignal

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
@@ -76,3 +76,16 @@ class _Terms:
         self.text[call] = f"{pretty.name(name, latex=False)}({', '.join(arguments[1])})"
         self.definitions.setdefault(call, value)
         return symbol(call)
+
+
+def ranges_in_words(ranges: Mapping[str, Sequence[float | None]], law: Law) -> str:
+    """'F_c from 1 to 2 N, F_s from 1.5 N up, sigma_2 held at 3 N s/m': ranges of the constants of a law."""
+
+    def words(unit: str, low: float | None, high: float | None) -> str:
+        if low == high:
+            return f"held at {low:.6g}{unit}"
+        return f"from {low:.6g}" + (f"{unit} up" if high is None else f" to {high:.6g}{unit}")
+
+    units = {name: c.unit_for(law.rotary) for name, c in law.constants().items()}
+    shown = {name: f" {unit}" if unit not in ("", "1") else "" for name, unit in units.items()}
+    return ", ".join(f"{name} {words(shown[name], *ends)}" for name, ends in ranges.items())

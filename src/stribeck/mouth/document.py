@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -137,19 +136,3 @@ class Document:
     facts: Sequence[str] = ()
     chapters: Sequence[Chapter] = ()
     next: tuple[str, str] | None = None
-
-
-class Told:
-    """A result that says itself: ``print()`` and a notebook show what a terminal would."""
-
-    def document(self) -> Document:
-        """The document of the result, for the terminal and for a page."""
-        raise NotImplementedError
-
-    def __str__(self) -> str:
-        from stribeck.mouth import terminal
-
-        return "\n".join(terminal.lines(self.document()))
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self))}</pre>"

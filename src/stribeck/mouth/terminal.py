@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import textwrap
 from collections.abc import Iterator, Sequence
+from html import escape
 
 from stribeck.errors import printable, unbroken
 from stribeck.mouth.cells import texts
@@ -15,6 +16,20 @@ _LEAST = 24  # columns, of a folded cell
 _APART, _NEAR = 3, 2  # blanks between two columns; where the room is short
 _ONE_LINE = 10_000  # columns
 _BRIEF = 5  # facts of a brief chapter: what one reads
+
+
+class Told:
+    """A result that says itself: ``print()`` and a notebook show what a terminal would."""
+
+    def document(self) -> Document:
+        """The document of the result, for the terminal and for a page."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return "\n".join(lines(self.document()))
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
 
 
 def width(without: int = 80) -> int:

@@ -13,7 +13,8 @@ from stribeck.machine.elements.bodies import Body
 from stribeck.machine.elements.bodies.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
-from stribeck.mouth.document import Document, Told
+from stribeck.mouth.document import Document
+from stribeck.mouth.terminal import Told
 from stribeck.properties.checked import check_law, check_varied
 from stribeck.properties.plain import Json
 from stribeck.properties.ranges import of_contact

@@ -11,11 +11,11 @@ from stribeck.constants import DECIDED, rotary_unit
 from stribeck.errors import StribeckError, arg
 from stribeck.laws import said as of_law
 from stribeck.laws.base import Law
+from stribeck.laws.render import ranges_in_words
 from stribeck.mouth import plots
 from stribeck.mouth.cells import digits, human, rounded_up
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.mouth.quantities import Quantity, scale
-from stribeck.properties.verdicts import Verdict, Verdicts, ranges_in_words
 from stribeck.simulation.drawing import figure_of
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from stribeck.properties.ports import MachineVerdicts
     from stribeck.properties.steepness import Cost, Steepness
+    from stribeck.properties.verdicts import Verdict, Verdicts
 
 _MEANING = {
     "unique": "one z(t) for every v(t)",

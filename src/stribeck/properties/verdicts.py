@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
-from stribeck.mouth.document import Document, Told
+from stribeck.laws.render import ranges_in_words
+from stribeck.mouth.document import Document
+from stribeck.mouth.terminal import Told
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
 from stribeck.properties.statement import statement
@@ -88,19 +90,6 @@ def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) 
         return verdict
     refused = refusals(verdict.certificate, law, name, v_max)
     return undecided(f"a proof was found, but the independent checker rejects it: {refused[0]}") if refused else verdict
-
-
-def ranges_in_words(ranges: Mapping[str, Sequence[float | None]], law: Law) -> str:
-    """'F_c from 1 to 2 N, F_s from 1.5 N up, sigma_2 held at 3 N s/m': ranges of the constants of a law."""
-
-    def words(unit: str, low: float | None, high: float | None) -> str:
-        if low == high:
-            return f"held at {low:.6g}{unit}"
-        return f"from {low:.6g}" + (f"{unit} up" if high is None else f" to {high:.6g}{unit}")
-
-    units = {name: c.unit_for(law.rotary) for name, c in law.constants().items()}
-    shown = {name: f" {unit}" if unit not in ("", "1") else "" for name, unit in units.items()}
-    return ", ".join(f"{name} {words(shown[name], *ends)}" for name, ends in ranges.items())
 
 
 def undecided(reason: str, **evidence: Json) -> Verdict:

@@ -14,6 +14,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.files import finite
 from stribeck.identify.core.states import Estimate
+from stribeck.identify.log import Trace
 from stribeck.identify.result import Fit
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Document
@@ -21,28 +22,6 @@ from stribeck.scenario import Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-@dataclass
-class Trace:
-    """A measured column and its simulation."""
-
-    column: str
-    unit: str
-    t: Array
-    measured: Array
-    predicted: Array
-
-    @property
-    def rms(self) -> float:
-        """The rms error."""
-        return float(np.sqrt(np.mean((self.predicted - self.measured) ** 2)))
-
-    @property
-    def relative(self) -> float:
-        """The error relative to the changes of the measured column."""
-        size = float(np.std(self.measured))
-        return self.rms / size if size > 0 else float("inf")
 
 
 class TraceError(TypedDict):
