@@ -1,4 +1,4 @@
-"""An axis whose friction is made up for: errors after reversals without and with it, and what too much of it does."""
+"""An axis with friction compensation: errors after reversals, and what too large a compensation does."""
 
 from __future__ import annotations
 
@@ -50,18 +50,18 @@ def chapter(done: Done) -> Chapter:
     over = excess(scenario, "axis", friction_samples(friction_intervals(scenario, None)))
     um = {kind: f"{1e6 * x:.3g} µm" for kind, x in worst.items()}
     text = (
-        "A slide of 8 kg on a guide follows a sine under a sampled controller. At each reversal friction changes its side, "
-        f"and the error with it: within an eighth of a period after one it is up to {um['none']}. With "
-        f"{100 * _SHARE:g} % of the law's steady curve added at the reference's speed it stays below {um['reference']}, "
-        f"with the law as an observer at the measured speed below {um['measured']}.",
-        "Too much of it pushes: if every friction parameter may err by a tenth, friction and compensation at the measured "
-        f"speed together push from share {over.worst_share:.3g} on. With 5 % more the slide, let go at {1e3 * over.speed:.3g} "
-        f"mm/s with the controller off, runs up to {1e3 * over.ends:.3g} mm/s by itself.",
+        "A slide of 8 kg on a guide follows a sine under a sampled controller. Friction changes its sign at each reversal, and "
+        f"the error reaches {um['none']} within an eighth of a period. Feedforward of {100 * _SHARE:g} % of the law's steady "
+        f"curve at the reference's speed reduces it to {um['reference']}. The law as an observer at the measured speed reduces "
+        f"it to {um['measured']}.",
+        "A compensation that exceeds the friction drives the slide. If every friction parameter may be wrong by a tenth, this "
+        f"begins at a share of {over.worst_share:.3g} at the measured speed. With a share 5 % larger and the controller off, "
+        f"the slide accelerates from {1e3 * over.speed:.3g} to {1e3 * over.ends:.3g} mm/s.",
     )
     rows = [[_WORDS[kind], f"{1e6 * x:.3g}", f"{worst['none'] / x:.2f}"] for kind, x in worst.items()]
-    table = Table(["against friction", "largest error after a reversal (µm)", "times less"], rows)
+    table = Table(["compensation", "largest error after a reversal (µm)", "reduced by a factor of"], rows)
     numbers = {"worst": worst, "over_compensation": over.row()}
-    return Chapter("axis", "An axis whose friction is made up for", text, [table], [_figure(runs, over)], numbers)
+    return Chapter("axis", "An axis with friction compensation", text, [table], [_figure(runs, over)], numbers)
 
 
 def _run(scenario: Scenario) -> Solution:
@@ -83,14 +83,14 @@ def _figure(runs: dict[str, Solution], over: Excess) -> Printed:
         built, axes = plots.figure([["error", "over"]], 3.0)
         for i, (kind, run) in enumerate(runs.items(), start=1):
             plots.line(axes["error"], i, run.t, 1e6 * (run["axis.r"] - run["slide.y"]), _WORDS[kind])
-        axes["error"].set(xlabel="t (s)", ylabel="error (µm)", title="the same sine")
+        axes["error"].set(xlabel="t (s)", ylabel="error (µm)", title="tracking error")
         axes["error"].legend(fontsize=7)
         if over.counterexample is not None:
             run = _run(over.counterexample)
             plots.line(axes["over"], 1, run.t, 1e3 * run["slide.v"], "")
-        axes["over"].set(xlabel="t (s)", ylabel="speed (mm/s)", title="too much of it, the controller off")
+        axes["over"].set(xlabel="t (s)", ylabel="speed (mm/s)", title="over-compensation, controller off")
         return finish(
             built,
             "axis",
-            "Left: the error without and with compensation. Right: a share 5 % above what friction can take, let go.",
+            "Left: the error without and with compensation. Right: a share 5 % above the largest safe one.",
         )

@@ -25,17 +25,17 @@ def chapter(done: Done) -> Chapter:
     head = ["tolerated", "lugre_sobczyk: k_v (s/m)", "lugre_majorant: k_v (s/m)", "by", "by"]
     saved = (paper.k_v or 0.0) / (majorant.k_v or 1.0)
     text = (
-        "The paper finds by trial that k_v should be 1e7 s/m or more. What is asked for follows from what is tolerated, by "
-        f"formula or from the steady state. The majorant law needs {saved:.3g} times less for both of the below.",
-        f"What k_v costs is not stiffness: up to 0.1 m/s it is {_cost(paper)} for the one and {_cost(majorant)} for the other, "
-        "that of sliding itself. It is the bend of |v|, within which dF/dv changes: by up to "
+        "The paper finds by trial that k_v should be 1e7 s/m or more. The smallest k_v follows from the tolerances, by formula "
+        f"or from the steady state. For both tolerances below, that of the majorant law is {saved:.3g} times smaller.",
+        f"A large k_v does not make the equations stiffer: their rate up to 0.1 m/s is that of sliding, {_cost(paper)} for "
+        f"lugre_sobczyk and {_cost(majorant)} for lugre_majorant. It makes the bend of |v| sharper: dF/dv changes there by up to "
         f"{_bend(paper)} and {_bend(majorant)} N s/m for each m/s.",
-        "stribeck check lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 answers for a "
-        "machine of your own.",
+        "For your own tolerances: stribeck check lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 "
+        "--speed 1e-4.",
     )
     caption = (
-        "What is tolerated (gray) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
-        "it. Table 1; creep under 0.95 F_s."
+        "Creep under 0.95 F_s (Table 1) and steady error against k_v, of the paper's law and the majorant law. Gray: the "
+        "tolerance; dots: the smallest k_v that meets it."
     )
     with plots.style():
         shown = finish(errors_against_k_v(advices), "which_k_v", caption)

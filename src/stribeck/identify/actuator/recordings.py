@@ -25,9 +25,7 @@ from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-FEWEST_SAMPLES = (
-    8  # samples of a recording: an initial state takes half, a parabola and one more, and as many show the fit
-)
+FEWEST_SAMPLES = 8  # of a recording: an initial state takes half, a parabola and one more, and as many show the fit
 FAR = 6.0  # standard deviations that no error reaches: bounds from a prior or from first samples cut nothing off
 Finite = Annotated[float, ConstantField(Constant("", ""))]
 T = TypeVar("T", bound=FileTable)

@@ -46,8 +46,8 @@ def judged(
     part: dict[str, Array] = {"C": np.maximum(within, between)}
     part["A"], part["B"], withheld = _redrawn(choice, base, by_ratio, draws)
     part["H"], hidden = _hidden(choice, slope, inverse)
-    lower = value if lower is None else lower
-    part["M"] = abs(_moved(np.array([lower[n] for n in value]), base, by_ratio))
+    of_filter = None if lower is None else np.array([lower[n] for n in value])
+    part["M"] = np.zeros(len(base)) if of_filter is None else abs(_moved(of_filter, base, by_ratio))
     interval = np.sqrt(part["C"] ** 2 + part["A"] ** 2 + part["M"] ** 2)
     wide = np.sqrt(interval**2 + part["B"] ** 2 + part["H"] ** 2)
     trusted &= missed(choice) <= EXPLAINED

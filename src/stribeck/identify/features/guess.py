@@ -154,9 +154,7 @@ def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str
         "sigma_2": rough("sigma_2", 1e-4 * f / fast, 10 * f / fast),
         "F_c": rough("F_c", 0.03 * f, 6 * f),
         "F_s": rough("F_s", 0.05 * f, 10 * f),
-        "v_s": rough(
-            "v_s", 3e-5 * fast, HIGHEST_V_S * fast
-        ),  # greased guides and gears have about 3e-3 of the fastest speed
+        "v_s": rough("v_s", 3e-5 * fast, HIGHEST_V_S * fast),  # about 3e-3 of the fastest speed in guides and gears
     }
     for name, constant in law.constants().items():
         if name not in known:

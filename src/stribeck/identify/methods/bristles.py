@@ -64,11 +64,11 @@ def better(
     name, best = min(fits, key=lambda each: _bic(each[1]))
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
-        other, words = f"the best static law ({static.law_name})", ""
+        other, leaves, but = f"the best static law ({static.law_name})", left, ""
         if _identified(chosen) < _identified(static):
-            other, left, words = name, best.error, f", but it identifies fewer numbers ({arg('law')} {name} shows them)"
-            chosen = static
-        notes = (f"The relative residual of {other} is {100 * left:.0f} %, rows at rest included{words}.", *notes)
+            chosen, other, leaves = static, name, best.error
+            but = f", but it identifies fewer numbers ({arg('law')} {name} shows them)"
+        notes = (f"The relative residual of {other} is {100 * leaves:.0f} %, rows at rest included{but}.", *notes)
     candidate_rows = [*(_candidate(n, fit, n == name) for n, fit in fits), *(static.candidates if static else ())]
     candidates = tuple(
         Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in candidate_rows

@@ -198,7 +198,7 @@ def _finished(
 
 
 def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], largest: float) -> dict[str, float]:
-    """The law's constants, valid for simulation: levels above 0, and none below F_c."""
+    """The law's constants, valid for simulation: levels above 0, by a size that counts as 0, and none below F_c."""
     constants = laws.find(choice.library.curve.law).constants()
     out = {n: estimates[n].value for n in constants if n in estimates}
     for name, least in (("F_c", RANK * largest), ("sigma_2", 0.0)):

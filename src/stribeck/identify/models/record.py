@@ -241,11 +241,8 @@ def _blocks(log: Log, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[n
     n, block, used = len(at), np.empty(len(at), np.intp), 0
     for each in np.unique(file):
         rows = np.flatnonzero(file == each)
-        count = int(
-            np.clip(
-                len(rows) // BLOCK_ROWS, FEWEST_BLOCKS if len(rows) == n else 1, max(round(BLOCKS * len(rows) / n), 1)
-            )
-        )
+        least, most = FEWEST_BLOCKS if len(rows) == n else 1, max(round(BLOCKS * len(rows) / n), 1)
+        count = int(np.clip(len(rows) // BLOCK_ROWS, least, most))
         block[rows] = used + np.arange(len(rows)) * count // len(rows)
         used += count
     return block, file

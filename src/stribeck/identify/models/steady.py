@@ -335,7 +335,7 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
         a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, record.force, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
-    short = transmission.play(basis, residual, WIDTHS[0] * way)
+    short = transmission.play(basis, residual, WIDTHS[0] * way) / way if turns else 0.0
     at = Anchor(
         curve,
         shape,
@@ -350,7 +350,7 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
         float(log.position[record.at].mean()),
         swing=transmission.swing(basis, residual),
         late=late,
-        plays=tuple(float(f"{f * short / way:.2g}") for f in (0.5, 1, 2)) if turns else (),
+        plays=tuple(float(f"{f * short:.2g}") for f in (0.5, 1, 2)) if turns else (),
     )
     if (between := ripple_range(log, record.q)) is None:
         return at
