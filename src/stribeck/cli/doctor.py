@@ -69,7 +69,8 @@ def _command(json: Json = False) -> int:
 def doctor() -> Installation:
     """Look at the compiler, the cache and the versions of this installation, and run a self-test.
 
-    What cannot be found out is reported with its reason.
+    Raises:
+        None: what cannot be found out is reported with its reason.
     """
     backend, solver = _tried(_backend, lambda why: (None, f"none: {why}"))
     compiler, c = _tried(_compiler, lambda why: ({"command": None, "version": None}, why))
