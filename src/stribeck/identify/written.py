@@ -12,7 +12,7 @@ from stribeck.errors import note
 from stribeck.files import seen_from, together, write_text
 from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.core.states import Estimate
-from stribeck.identify.models.forms import OF_LEVEL, in_words
+from stribeck.identify.models.forms import effect, in_words
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, LogFit
 from stribeck.identify.saved import FILE, MACHINE, text_of
@@ -94,7 +94,7 @@ def _of_log(fit: LogFit, command: str) -> dict[str, object]:
 def _left_out(fit: LogFit) -> list[str]:
     """The friction that the fit found and the law has no constant for, each effect once."""
     terms = [name for name, e in fit.body.items() if e.usable and (TERMS[name].level or TERMS[name].friction)]
-    return list(dict.fromkeys([*terms, *(in_words(form) for form in fit.forms or () if form.startswith(OF_LEVEL))]))
+    return list(dict.fromkeys([*terms, *(in_words(form) for form in fit.forms or () if effect(form)[0].level)]))
 
 
 def _tables_of_log(fit: LogFit) -> dict[str, object]:

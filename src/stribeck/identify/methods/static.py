@@ -23,7 +23,7 @@ from stribeck.identify.features.guess import steady_curve
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.forms import BESIDE_FRICTION, OF_RECORD, dependences, law_at, sizes_in_words
+from stribeck.identify.models.forms import dependences, effect, law_at, sizes_in_words
 from stribeck.identify.models.predictor import Predictor, predictor
 from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
 from stribeck.identify.models.steady import RANK, SteadyLibrary, chosen
@@ -184,7 +184,7 @@ def _finished(
     forms = _rms_of_forms(choice)
     friction, friction_error = _friction(choice)
     r = lib.residual(choice.model, choice.coefficients)
-    of_bends = "F_s" not in known and any(f.startswith(("bend", "pointed", "growth")) for f in forms)
+    of_bends = "F_s" not in known and any(effect(f)[0].at_speed for f in forms)
     return LogFit(
         law_name=curve.law, method="static", estimates={n: e for n, e in estimates.items() if n not in lib.levels},
         levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
@@ -230,7 +230,8 @@ def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i = lib.index(choice.model)
     of_body = [n == "sigma_2" or TERMS[n].level or TERMS[n].friction for n in lib.body]
-    of_forms = [not lib.name[j][0].startswith((*BESIDE_FRICTION, *OF_RECORD)) for j in i[lib.first_form :]]
+    effects = [effect(lib.name[j][0])[0] for j in i[lib.first_form :]]
+    of_forms = [not (each.beside or each.of_record) for each in effects]
     friction = lib.columns[:, i] @ (x * np.array([*[True] * lib.k, *of_body, *of_forms]))
     friction += record.given.get("sigma_2", 0.0) * record.column(record.log.velocity)
     measured = friction + lib.residual(choice.model, x)
@@ -294,7 +295,10 @@ def _notes(
     out += [text for name, e in estimates.items() if (text := e.advice(name))]
     if forms:
         out.append(f"Further terms of the force: {sizes_in_words(forms, log.unit('N'))}.")
-    if places := law_at([*forms, *estimates], choice.library.at.middle, log.unit("m")):
+    by_column = [
+        f"level by {TERMS[n].needs} column" for n in estimates if n in TERMS and TERMS[n].level and TERMS[n].needs
+    ]
+    if places := law_at([*forms, *by_column], choice.library.at.middle, log.unit("m")):
         out.append(f"F_c and the levels are those at {' and '.join(places)}.")
     if len(set(log.files)) < 2:
         out.append("The intervals are from a single file: another day or motion may differ by more.")

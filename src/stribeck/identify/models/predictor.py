@@ -23,7 +23,7 @@ from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.forms import BESIDE_FRICTION, OF_RECORD, Anchor, Key, forms
+from stribeck.identify.models.forms import Anchor, Key, effect, forms
 from stribeck.identify.models.record import FEWEST_BLOCKS, MOST_ROWS, LawColumns, Record, beside_rest, body_columns
 from stribeck.identify.models.steady import SteadyLibrary, optimum
 
@@ -54,10 +54,10 @@ class Predictor:
         columns = body_columns(log, list(self.body))
         friction = curve.force(v, self.shape, self.law) + self.body.get("sigma_2", 0.0) * v
         beside = sum((c * columns[n] for n, c in self.body.items() if n != "sigma_2"), np.zeros(len(log)))
-        carried = {k: c for k, c in self.forms.items() if not k[0].startswith(OF_RECORD)}
+        carried = {k: c for k, c in self.forms.items() if not effect(k[0])[0].of_record}
         form_columns = forms(log, self.at) if carried else {}
         for key, c in carried.items():
-            if key in form_columns and key[0].startswith(BESIDE_FRICTION):
+            if key in form_columns and effect(key[0])[0].beside:
                 beside = beside + c * form_columns[key]()
             elif key in form_columns:
                 friction = friction + c * form_columns[key]()

@@ -14,7 +14,7 @@ from stribeck.identify.core.search import search_forms
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import INTEGRAL
 from stribeck.identify.models.curves import SPEEDS, SteadyCurve
-from stribeck.identify.models.forms import WIDTHS, Anchor, Key, fits, forms, is_bend, sliding, steady
+from stribeck.identify.models.forms import SHOWN, WIDTHS, Anchor, Key, effect, fits, forms, sliding, steady
 from stribeck.identify.models.over_position import ripple_range, ripple_waves, travel
 from stribeck.identify.models.record import LawColumns, Record
 from stribeck.identify.models.transmission import Transmission
@@ -27,7 +27,6 @@ REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tr
 RANK = 1e-9  # relative size up to which a column, or a direction of the columns, counts as 0
 SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: a step that fails at a twentieth ends the search
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
-SHOWN = 0.05  # of a bend's height: the least that must occur in the record
 ROOM = 3.0  # times the range of a shape that is searched: a step of the grid
 
 
@@ -176,7 +175,7 @@ class SteadyLibrary(ModelLibrary):
         c, u = self.coefficients(x), self.at.fast * np.geomspace(1e-3, 1.0, SPEEDS)
         bends = np.zeros(len(u))
         for (form, _), z in self.of_forms(model, x).items():
-            if is_bend(form):
+            if effect(form)[0].peak:
                 bends = bends + z * steady(form, u, self.at, rigid=True)
         of_curve = {n: c[n] for n in self.curve.names}
         out = {n: c[n] for n in self.body} | self.curve.constants(of_curve, self.shape(model, x), bends, u)
@@ -287,7 +286,7 @@ def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: 
     held = {key[0] for key, c in whole.items() if _in_body(c, body)}
     for key, column in whole.items():
         largest = np.max(abs(column))
-        if largest <= RANK or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
+        if largest <= RANK or key[0] in held or (effect(key[0])[0].peak and largest < SHOWN):
             continue
         groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(form_columns))
         size[i], name[i] = float(np.sqrt(np.mean(column**2))), key

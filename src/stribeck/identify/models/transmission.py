@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import minimize_scalar
+from scipy.signal import bilinear, lfilter, lfilter_zi
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.forms import behind, coupling, filtered
 from stribeck.identify.models.over_position import direction_along
 from stribeck.identify.models.record import Record, body_columns, kept_rows
 
@@ -21,6 +21,36 @@ _BAND = 30.0  # largest over smallest frequency: slower swings are those of a sp
 _TIMES = 0.25, 25.0  # samples: a shorter time is a delay, a longer one leaves no friction to fit
 _SHORTEST = 1e-3  # of the longest way: microns of a stroke of decimeters
 _DAMPINGS = (0.03, 0.1, 0.3)  # of steel shafts, of belts, of rubber
+Filter = tuple[Array, Array]  # numerator and denominator in z
+
+
+def filtered(time: float, step: float) -> Filter:
+    """A filter of first order."""
+    return bilinear([1.0], [time, 1.0], 1 / step)
+
+
+def lag(time: float, step: float) -> Filter:
+    """A filter of first order whose input is constant within a step, as a sign is."""
+    keep = float(np.exp(-step / time))
+    return np.array([1 - keep]), np.array([1.0, -keep])
+
+
+def coupling(hertz: float, damping: float, step: float) -> Filter:
+    """The acceleration of a mass behind that of the drive which carries it along.
+
+    Args:
+        hertz: the resonance of the mass on the coupling; ``damping``: its ratio.
+    """
+    w = 2 / step * np.tan(np.pi * min(hertz * step, HIGHEST))  # prewarped for the bilinear transform
+    return bilinear([2 * damping * w, w * w], [1.0, 2 * damping * w, w * w], 1 / step)
+
+
+def behind(x: Array, runs: Iterable[slice], of_filter: Filter) -> Array:
+    """What a filter adds to a series (rows first); each run begins in the steady state of its first row."""
+    out, still = np.empty(x.shape), lfilter_zi(*of_filter)
+    for run in runs:
+        out[run] = lfilter(*of_filter, x[run], axis=0, zi=np.multiply.outer(still, x[run][0]))[0]
+    return out - x
 
 
 class Transmission:
