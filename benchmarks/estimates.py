@@ -20,10 +20,10 @@ import static_records as records
 from intervals import holds
 from measure import Given, run, say, write
 
-from stribeck.identify.api import read_log
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.reading import read_log
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static import fit_static

@@ -20,7 +20,6 @@ def files(request):
 
 TARGET = Target("names", "the names of the constants", {"law": Part(files)}, folder=False)
 """
-CHAPTER = "def chapter(done):\n    return None\n"
 
 
 @pytest.fixture

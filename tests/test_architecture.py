@@ -2,8 +2,11 @@
 
 import re
 import tomllib
+from graphlib import TopologicalSorter
 from itertools import pairwise
 from pathlib import Path
+
+import grimp
 
 ROOT = Path(__file__).parent.parent
 SOURCE = ROOT / "src" / "stribeck"
@@ -30,6 +33,15 @@ def test_the_table_has_the_order_of_the_imports():
     height = {name: i for i, layer in enumerate(layers) for name in layer}
     of_rows = [[height[room.rstrip("/").removesuffix(".py")] for room in row] for row in rooms()]
     assert all(max(lower) <= min(upper) for lower, upper in pairwise(of_rows))
+
+
+def test_no_imports_form_a_circle():
+    """Imports within functions count, those for type checkers do not; a module is imported with the packages around it."""
+    graph = grimp.build_graph("stribeck", exclude_type_checking_imports=True, cache_dir=None)
+    around = {m: {m[: dot.start()] for dot in re.finditer(r"\.", m)} for m in graph.modules}
+    needs = {m: graph.find_modules_directly_imported_by(m) for m in graph.modules}
+    needs = {m: {n for each in some for n in {each} | around[each] - around[m]} - {m} for m, some in needs.items()}
+    TopologicalSorter(needs).prepare()  # raises CycleError, which names the circle
 
 
 def test_what_the_page_and_its_drawing_name_exists():

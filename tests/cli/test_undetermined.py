@@ -9,7 +9,6 @@ import pytest
 import stribeck as package
 from stribeck.identify.onebody import simulated
 from stribeck.identify.options import FitOptions
-from stribeck.identify.written import toml
 from stribeck.parameter_sets import allow_undetermined, load
 from tests.identify import rig
 
@@ -20,7 +19,7 @@ def fitted(tmp_path_factory):
     log = rig.held_at(0.05, 1.0)
     fit = simulated(log, "lugre", FitOptions(mass=0.0, set={"offset": 0.0}, starts=1)).judged()
     folder = tmp_path_factory.mktemp("fit")
-    (folder / "parameters.toml").write_text(toml(fit, "stribeck fit"))
+    (folder / "parameters.toml").write_text(fit.files(folder, "stribeck fit")["parameters.toml"])
     assert not fit.estimates["sigma_0"].identifiable
     return folder, fit
 

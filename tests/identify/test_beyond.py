@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.api import read_log
 from stribeck.identify.beyond import Beyond, beyond, seen
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.reading import read_log
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.result import Fit
 

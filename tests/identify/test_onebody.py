@@ -5,8 +5,9 @@ import pytest
 
 import stribeck
 from stribeck.errors import InputError
+from stribeck.identify.force import initial_deflections, parts
 from stribeck.identify.log import Log
-from stribeck.identify.onebody import initial_deflections, parts, simulated
+from stribeck.identify.onebody import simulated
 from stribeck.identify.options import FitOptions
 from tests.identify import rig
 

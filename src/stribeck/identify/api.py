@@ -5,30 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from stribeck import laws
 from stribeck.constants import kind_of, show
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
-from stribeck.identify.data.prepare import Preparation, load_log
+from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.data.units import ROLES
+from stribeck.identify.data.reading import Data, RecordReading, files_of, read_log
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import check_motion, fit_static
 from stribeck.identify.models.curves import LAWS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.required import with_requirements
-from stribeck.identify.result import Fit, LogFit, RecordReading
+from stribeck.identify.result import Fit, LogFit
 from stribeck.identify.work import Progress, part
-from stribeck.recorded import is_table
 
 _READ = 0.05  # of the work: reading takes about a tenth of a static fit, and nothing beside a simulation
-Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 
@@ -133,12 +128,6 @@ def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | 
         raise InputError([f"{arg(n)}: {text}" for n in wrong])
 
 
-def files_of(data: Data) -> tuple[str, ...]:
-    """The files of a record that is from files."""
-    sources = data if isinstance(data, list | tuple) else [data]
-    return tuple(str(Path(each).resolve()) for each in sources if isinstance(each, str | Path))
-
-
 def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progress | None = None) -> LogFit:
     """Fit one law to a log; or several, or for no name the static ones, and report the best; as :func:`fit` says."""
     if options.output != "force" and len(names) != 1:
@@ -164,34 +153,3 @@ def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None)
     """The preparation of a log for a fit of these laws."""
     simulated = any(options.method_for(laws.find(name)) == "dynamic" for name in names)
     return Preparation(cutoff, simulated, options.published)
-
-
-def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -> Log:
-    """The log in files or tables of one layout, in SI units, ready to be fitted; a log as it is.
-
-    Raises:
-        InputError: a file cannot be read, a column is missing or has no unit; one line for each problem.
-    """
-    names, how = {role: x for role, x in columns.names.items() if x is not None}, how or Preparation()
-    columns = replace(columns, names=names)
-    if unknown := [n for n in names if n not in ROLES]:
-        raise InputError([f"{n}: {show(names[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
-    if wrong := [n for n, x in names.items() if not isinstance(x, str)]:
-        text = "must be the name of a column, not"
-        raise InputError([f"{arg(n)}: {show(names[n])}: {text} {kind_of(names[n])}" for n in wrong])
-    if isinstance(data, Log):
-        asked = {**names, "unit": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff}
-        if given := [name for name, value in asked.items() if value is not None]:
-            raise InputError(
-                [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
-            )
-        return data
-    several = isinstance(data, Iterable) and not (is_table(data) or isinstance(data, str | bytes | np.ndarray))
-    sources = list(data) if several else [data]
-    if not sources:
-        raise InputError(f"{arg('data')}: missing: must be a file, a table or several of these")
-    for i, each in enumerate(sources):
-        if not (isinstance(each, str | Path) or is_table(each)):
-            name = arg("data") + (f"[{i}]" if several else "")
-            raise InputError(f"{name}: {show(each)}: must be a file, a table or several of these, not {kind_of(each)}")
-    return load_log(sources, columns, how)

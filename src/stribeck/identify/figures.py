@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit, rotary_words
 from stribeck.identify.log import Log, Trace
+from stribeck.identify.result_parts import FrictionRows
 from stribeck.mouth import plots
 from stribeck.mouth.quantities import Quantity, Scale, scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stribeck.identify.result import FrictionRows, LogFit
+    from stribeck.identify.result import LogFit
 
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _SLOWEST = 0.01  # quantile of the speeds: the law's curve begins there, as nobody measured what is slower

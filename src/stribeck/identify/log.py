@@ -20,6 +20,11 @@ INTEGRAL = "the integral of the velocity"  # the source of a position that nobod
 MANY_ROWS = 500_000  # taken at once: some 4 MB a column, whatever the record's length; so many tell the sizes of a log
 ENOUGH_ROWS = 100_000  # of a record: behind a filter, neighboring rows are alike, and more tell nothing new
 STILL = 0.01  # of the fastest speed: the body hardly moves
+# Of a run to be simulated: an initial state takes half, a parabola and one more, and as many show the fit.
+FEWEST_SAMPLES = 8
+# Samples from which an initial state is estimated: few enough for a parabola, and a slope's noise is a twelfth.
+FIRST_SAMPLES = 12
+BEGIN = 2 * FIRST_SAMPLES  # samples to which the initial state of a predicted run is fitted
 
 
 @dataclass(frozen=True)

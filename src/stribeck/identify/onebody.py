@@ -10,39 +10,35 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.errors import InputError, StribeckError, arg
+from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.recordings import FEWEST_SAMPLES, Channel, Logs, Recording, Sought
-from stribeck.identify.actuator.result import MachineFit
-from stribeck.identify.actuator.traces import BEGIN
+from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.beyond import seen
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
+from stribeck.identify.features.what_to_measure import with_units
+from stribeck.identify.force import Values, farthest, law_table, parts, runs, with_constants
 from stribeck.identify.log import ENOUGH_ROWS, Log, Trace, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.models.record import shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import FrictionRows, LogFit, with_units
+from stribeck.identify.result import LogFit, MachineFit
+from stribeck.identify.result_parts import FrictionRows
 from stribeck.identify.work import Progress
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
-from stribeck.simulation import simulate
 
-Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
-_BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
@@ -73,7 +69,7 @@ class OneBody:
 
     def first_law(self) -> Law:
         """The law with initial values."""
-        return _with_constants(self.law, {**self.fixed, **{n: g.value for n, g in self.first.items()}})
+        return with_constants(self.law, {**self.fixed, **{n: g.value for n, g in self.first.items()}})
 
     @property
     def mass(self) -> str:
@@ -149,17 +145,13 @@ def simulated(
     """
     log = shortened(log, ENOUGH_ROWS)
     model = _model(log, name, options)
-    recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
+    recordings = [_recording(log, rows, model, i) for i, rows in enumerate(runs(log))]
     doubted = tuple(recordings if rough else _doubted(recordings, log, model))
     logs = Logs(doubted, _sought(model, log, options), words=_words(model))
     scenario = Scenario(_tables(model), folder=Path(), trust=True)
     fitting = Fitting(scenario, logs, options.starts, options.seed, progress, advised=False)
     with threadpool_limits(1):
         return Simulated(log, model, fitting, fitting.estimated(rough))
-
-
-def _runs(log: Log) -> list[slice]:
-    return [rows for rows in log.runs() if rows.stop - rows.start >= FEWEST_SAMPLES]
 
 
 # -- given and fitted parameters ---------------------------------------------------------------------------------------
@@ -247,23 +239,6 @@ def _first(model: OneBody, log: Log) -> None:
 # -- the machine and its recordings --------------------------------------------------------------------------------------
 
 
-def _with_constants(law: type[Law], values: Values) -> Law:
-    """A law with its constants, of all values."""
-    return law({n: x for n, x in values.items() if n in law.constants()})
-
-
-def _farthest(law: Law) -> float:
-    """The largest deflection of the bristles, m, that a run may begin with."""
-    return _BENT * law.scales(law.p).length
-
-
-def _law_table(name: str, values: Values) -> dict[str, object]:
-    """The table of a law with its constants, of all values."""
-    constants = {n: x for n, x in values.items() if n in laws.find(name).constants()}
-    parameters = {n: constants.pop(n) for n in list(constants) if n in PARAMETERS}
-    return {"name": name, **constants, **({"parameters": parameters} if parameters else {})}
-
-
 def _tables(model: OneBody) -> dict[str, object]:
     """The machine's tables, with initial values."""
     values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.given}
@@ -284,7 +259,7 @@ def _tables(model: OneBody) -> dict[str, object]:
             elif n == "stiffness":
                 links[n] = {"from": "body", "to": "ground", "stiffness": values[n], "damping": 0.0}
     return {
-        "schema": 2, "bodies": {"body": body}, "contacts": {"contact": {"from": "body", "law": _law_table(model.name, values)}},
+        "schema": 2, "bodies": {"body": body}, "contacts": {"contact": {"from": "body", "law": law_table(model.name, values)}},
         **({"loads": loads} if loads else {}), **({"links": links} if links else {}),
         "solve": {"t_end": 1.0}, "output": {"step": 1e-3},
     }  # fmt: skip
@@ -326,8 +301,8 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
             sought.append(replace(given, path=path, start=start, label=n))
     if model.law.has_z:
         law = model.first_law()
-        way = _farthest(law)
-        for i, rows in enumerate(_runs(log)):
+        way = farthest(law)
+        for i, rows in enumerate(runs(log)):
             slid = float(law.steady_deflection(float(log.velocity[rows.start])))
             path = f"log.{i}.contacts.contact.initial.z"
             sought.append(Sought(path, -way, way, min(max(slid, -way), way), nuisance=True))
@@ -367,7 +342,7 @@ def _output(name: str, runs: Sequence[Trace]) -> Trace | None:
 
 def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
     """The fitted deflection of the bristles at the start of each run, m; None of a law without bristles."""
-    return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
+    return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(runs(log)))]
 
 
 def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Iterator[Recording]:
@@ -377,7 +352,7 @@ def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Itera
     """
     filtered = model.output == "force" or log.sources.get("unfiltered") != model.output
     as_well = other_motions(log) if filtered else {}
-    for i, (recording, rows) in enumerate(zip(recordings, _runs(log), strict=True)):
+    for i, (recording, rows) in enumerate(zip(recordings, runs(log), strict=True)):
         same = {cause: [_recording(x, rows, model, i) for x in logs] for cause, logs in as_well.items()}
         if model.output != "force":
             straight = {path: replace(each, smooth=False) for path, each in recording.inputs.items()}
@@ -390,85 +365,3 @@ def _words(model: OneBody) -> dict[str, str]:
     errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
     of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
     return {**of_output, "contact": ""}
-
-
-# -- the force of a model along a record -----------------------------------------------------------------------------------
-
-
-def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()) -> tuple[Array, Array]:
-    """The friction of a fitted law along a record, and the rest of its force, N at each row.
-
-    Args:
-        values: the law's constants, and terms.
-        bent: deflection of the bristles at the start of each run, m; the steady deflection at its speed unless given.
-
-    Raises:
-        StribeckError: the law cannot be simulated along the motion.
-    """
-    friction, beside = _along(name, values, log, bent), np.zeros(len(log))
-    for n, term in TERMS.items():
-        if n in values and term.column and not term.level:
-            into = friction if term.friction else beside
-            into += float(values[n]) * terms.column(n, log)
-    late = float(values.get("delay", 0.0))
-    return later(log, friction, late), later(log, beside, late)
-
-
-def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
-    """The deflection of the bristles at the start of each run, m, fitted to the force of its first rows.
-
-    A body that sticks keeps this deflection, and with it an error of the force, for as long as it sticks.
-    """
-    law = laws.find(name)
-    if not law.has_z:
-        return []
-    largest = _farthest(_with_constants(law, values))
-    deflections = []
-    for rows in _runs(log):
-        first = log.rows(slice(rows.start, min(rows.start + BEGIN, rows.stop)))
-
-        def residual(share: float, first: Log = first) -> float:
-            friction, beside = parts(name, values, first, [share * largest])
-            return float(np.linalg.norm(first.force - friction - beside))
-
-        deflections.append(largest * float(minimize_scalar(residual, bounds=(-1.0, 1.0), method="bounded").x))
-    return deflections
-
-
-def later(log: Log, x: Array, by: float) -> Array:
-    """A column of the record at times later by ``by`` seconds; beyond the ends of a run it is constant."""
-    if not by:
-        return x
-    moved = np.empty(len(log))
-    for rows in log.runs():
-        moved[rows] = np.interp(log.time[rows] + by, log.time[rows], x[rows])
-    return moved
-
-
-def _along(name: str, values: Values, log: Log, bent: Sequence[float | None]) -> Array:
-    """The law simulated along the measured velocity."""
-    friction, runs = np.zeros(len(log)), _runs(log)
-    for i, rows in enumerate(runs):
-        z = bent[i] if i < len(bent) else None
-        solution = simulate(scenario_along(name, values, log.rows(rows), z))
-        if solution.status != "done":
-            raise StribeckError(f"law '{name}': its simulation along this record fails: {solution.reason}")
-        friction[rows] = solution["F"]
-    return friction
-
-
-def scenario_along(name: str, values: Values, log: Log, z: float | None = None) -> Scenario:
-    """The law under the measured velocity of one run."""
-    law, start = laws.find(name), {"y": float(log.position[0])}
-    if law.has_z and z is None:
-        z = float(_with_constants(law, values).steady_deflection(float(log.velocity[0])))
-    start |= {"z": z} if law.has_z and z is not None else {}
-    t = log.step * np.arange(len(log))
-    return Scenario(
-        {
-            "schema": 1, "law": _law_table(name, values), "plant": {"initial": start},
-            "drive": {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": log.velocity.tolist()}},
-            "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step), "energy": False},
-        },
-        folder=Path(), trust=True,
-    )  # fmt: skip

@@ -9,12 +9,11 @@ from typing import TypeVar
 import numpy as np
 
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.models.forms import in_words
-from stribeck.identify.result import Fit, LogFit
+from stribeck.identify.result import Fit, LogFit, MachineFit
 from stribeck.mouth.cells import percent
 
 Kind = TypeVar("Kind", LogFit, MachineFit)

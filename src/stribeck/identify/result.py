@@ -4,100 +4,36 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.data.prepare import Preparation
+from stribeck.files import finite
+from stribeck.identify import figures, said, saved, written
+from stribeck.identify.core.states import Estimate
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.features.guess import sizes_of
-from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import Log, Trace, size_ratio, thinned
-from stribeck.identify.models.curves import REACHED
+from stribeck.identify.data.reading import RecordReading
+from stribeck.identify.log import Log, Trace, size_ratio
 from stribeck.identify.models.predictor import EXPECTED, Predictor
 from stribeck.identify.models.terms import TERMS
+from stribeck.identify.predicted import Predicted, predicted
+from stribeck.identify.result_parts import Baseline, Candidate, FrictionRows, Group, LogResult, Picked
 from stribeck.laws.base import Law
+from stribeck.mouth import page, plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Document
 from stribeck.mouth.terminal import Told
+from stribeck.scenario import Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stribeck.identify.predict import Predicted
-
 _FURTHER = ("forms", "friction_error", "missed", "rest", "output_error", "nearest_stribeck")  # of JSON, where they are
-
-
-class Candidate(TypedDict):
-    """A model of the record: its law and forms, how many numbers it has, and its error; ``chosen``: it is the fit."""
-
-    name: str
-    law: str
-    forms: list[str]
-    numbers: int
-    relative_force_error: float
-    chosen: bool
-
-
-@dataclass(frozen=True)
-class RecordReading:
-    """How a log was read: its files, if it is from files, what the user said of its columns, and the preparation."""
-
-    files: tuple[str, ...] = ()
-    named: ColumnNames = field(default_factory=ColumnNames)
-    how: Preparation = field(default_factory=Preparation)
-
-    @property
-    def title(self) -> str:
-        """The file's name, or how many there are."""
-        if not self.files:
-            return "the record"
-        return Path(self.files[0]).name if len(self.files) == 1 else f"{len(self.files)} files"
-
-
-@dataclass(frozen=True)
-class FrictionRows:
-    """Measured friction and the fit's, row by row (SI)."""
-
-    time: Array
-    velocity: Array
-    measured: Array
-    fitted: Array
-
-
-def with_units(
-    estimates: Mapping[str, Estimate], law: str, given: Mapping[str, float], log: Log
-) -> dict[str, Estimate]:
-    """The estimates of a log's fit, the law's first, with units, and with the experiment that would determine open ones.
-
-    Args:
-        given: constants of the law.
-    """
-    constants, sizes, out = laws.find(law).constants(), sizes_of(thinned(log)), dict[str, Estimate]()
-    values = {**given, **{n: e.value for n, e in estimates.items()}}
-    open_ = [n for n, e in estimates.items() if not e.usable]
-    for name in [*(n for n in constants if n in estimates), *(n for n in estimates if n not in constants)]:
-        e, of = estimates[name], constants if name in constants else TERMS
-        unit = of[name].unit if name in of else "N"
-        e = replace(e, unit=log.unit(unit))
-        if not e.usable or e.state is EstimateState.AT_LEAST:
-            experiment = "" if e.files_differ else experiment_for(name, values, sizes, open_, rotary=log.rotary)
-            e = replace(e, why=e.why or _why(e), experiment=experiment)
-        out[name] = e
-    return out
-
-
-def _why(e: Estimate) -> str:
-    if e.files_differ:
-        return "the files differ"
-    if e.state is EstimateState.NOT_IDENTIFIABLE:
-        return "its interval is not narrow"
-    return f"no sliding below {REACHED:g} v_s was recorded"
 
 
 class Fit(Told, ABC):
@@ -108,13 +44,14 @@ class Fit(Told, ABC):
     Attributes:
         status: "done", "missed" (the model does not describe the data: nothing is identified) or "stopped" (by Ctrl-C).
         estimates: the fitted parameters by name.
-        levels: the friction at four speeds of the record, and at those that were asked for.
+        levels: the friction at four speeds of the record, and at those that were asked for; ``speeds``: theirs.
         notes: one sentence each, the most important one first.
     """
 
     status: str
     estimates: dict[str, Estimate]
     levels: dict[str, Estimate]
+    speeds: dict[str, float]
     notes: Sequence[str]
 
     @property
@@ -139,6 +76,10 @@ class Fit(Told, ABC):
     @abstractmethod
     def to_dict(self) -> dict[str, object]:
         """The JSON of ``stribeck fit --json``."""
+
+    @abstractmethod
+    def files(self, folder: Path, command: str) -> dict[str, str]:
+        """The numbers as the text of files by name, as a folder will hold them; ``command`` made the fit."""
 
     @abstractmethod
     def plot(self) -> Figure:
@@ -185,14 +126,13 @@ class Fit(Told, ABC):
         Raises:
             InputError: there is none, it is not whole, or it names a law elsewhere.
         """
-        from stribeck.identify import saved
-
-        return saved.load(folder, trust)
+        data, path = saved.read(folder)
+        if data["kind"] == saved.LOG:
+            return LogFit(**saved.of_log(data, path, trust))
+        return MachineFit(**saved.of_machine(data, path.parent, trust))
 
     def report(self, path: Path | str) -> None:
         """Write the page of the fit."""
-        from stribeck.mouth import page
-
         place = Path(path)
         page.write(self.document(), place.parent, "", place.name, pictures=False)
 
@@ -203,8 +143,6 @@ class Fit(Told, ABC):
             folder: the folder; made if missing.
             command: that made the fit: the files and the page name it.
         """
-        from stribeck.identify import written
-
         return [Path(each).name for each in written.write_fit(self, Path(folder), command)]
 
 
@@ -346,17 +284,14 @@ class LogFit(Fit):
         Args:
             data: a file, a table of columns or a Log; columns as in the fit unless given.
         """
-        from stribeck.identify import predict
+        return predicted(self, data, ColumnNames(columns))
 
-        prediction = predict.predict(data, self, columns=columns)
-        assert isinstance(prediction, predict.Predicted)
-        return prediction
+    def files(self, folder: Path, command: str) -> dict[str, str]:
+        """A parameter set, and fit.json."""
+        return written.of_log(self, folder, command)
 
     def plot(self) -> Figure:
         """Measured friction and the fitted law against the velocity, as a Matplotlib figure."""
-        from stribeck.identify import figures
-        from stribeck.mouth import plots
-
         if self.friction is None:
             raise InputError("fit: it holds no measured friction; there is nothing to plot")
         with plots.style():
@@ -364,8 +299,6 @@ class LogFit(Fit):
 
     def document(self) -> Document:
         """The document of the fit, for the terminal and for a page."""
-        from stribeck.identify import said
-
         return said.of_log(self)
 
     def to_dict(self) -> dict[str, object]:
@@ -382,3 +315,91 @@ class LogFit(Fit):
             **{name: value for name, value in further.items() if value is not None},
             "data_hash": self.data_hash, "notes": list(self.notes),
         }  # fmt: skip
+
+
+@dataclass(repr=False)
+class MachineFit(Fit):
+    """A machine's parameters estimated from its recordings.
+
+    Attributes:
+        status: "done", "missed" (the model does not describe the recordings: nothing is identified) or "stopped".
+        estimates: the fitted parameters by path, each with a 95 % interval, a model range and a state.
+        levels: estimates of each contact's friction at four recorded ``speeds``.
+        data: the machine with the fitted values, as tables; ``folder``: the base of its relative paths.
+        name: the machine's; ``source``: the file of the recordings, if there is one.
+        trust: whether laws in files may be executed from any folder.
+    """
+
+    status: str
+    reason: str
+    estimates: dict[str, Estimate]
+    correlated: list[Group]
+    logs: list[LogResult]
+    notes: list[str]
+    noise: dict[str, float]
+    data: dict[str, object]
+    levels: dict[str, Estimate] = field(default_factory=dict)
+    speeds: dict[str, float] = field(default_factory=dict)
+    baselines: dict[str, Baseline] = field(default_factory=dict)
+    laws: Picked | None = None
+    relation: tuple[list[str], Array] | None = None
+    nuisance: dict[str, float] = field(default_factory=dict)
+    name: str = "the machine"
+    folder: Path = field(default_factory=Path)
+    source: Path | None = None
+    trust: bool = True
+
+    @property
+    def title(self) -> str:
+        """The machine's name as a title."""
+        return self.name
+
+    @property
+    def lead(self) -> str:
+        """The relative residuals of the fitted and the held-out recordings, in words."""
+        left = f"relative residual {percent(self.error(False))}"
+        if (held := self.error(True)) is not None:
+            left = f"relative residual {percent(held)} held out, {percent(self.error(False))} fitted"
+        if self.laws:
+            left = f"{self.laws['picked']}, {left}"
+        return left if self.status == "done" else f"{self.status}: {self.reason}; {left}"
+
+    @property
+    def machine(self) -> Scenario:
+        """The machine with the fitted values, ready to simulate."""
+        if not self.data:
+            raise InputError(f"fit: {self.status}: there is no machine with these numbers")
+        return Scenario(self.data, folder=self.folder, trust=self.trust)
+
+    def error(self, held_out: bool) -> float | None:
+        """The relative error over the held-out or the fitted recordings: root mean square over their columns."""
+        squares = [e["relative"] ** 2 for log in self.logs if log.held_out is held_out for e in log.errors.values()]
+        return float(np.sqrt(np.mean(squares))) if squares else None
+
+    def files(self, folder: Path, command: str) -> dict[str, str]:
+        """The parameters, fit.json, and the machine with the fitted values."""
+        return written.of_machine(self, folder, command)
+
+    def plot(self) -> Figure:
+        """The first recording: measured and simulated, as a Matplotlib figure."""
+        traces = next((log.traces for log in self.logs if log.traces), None)
+        if traces is None:
+            raise InputError("fit: it holds no recording; there is nothing to plot")
+        with plots.style():
+            return figures.traces(traces, ("measured", "simulated"))
+
+    def document(self) -> Document:
+        """The fit as a document for the terminal and for a page."""
+        return said.of_machine(self)
+
+    def to_dict(self) -> dict[str, object]:
+        """The fit as ``stribeck fit --logs --json`` prints it."""
+        data: Mapping[str, object] = {
+            "status": self.status, "reason": self.reason,
+            "parameters": {name: p.to_dict() for name, p in self.estimates.items()},
+            "levels": {name: p.to_dict() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
+            "correlated": self.correlated, "logs": [log.to_dict() for log in self.logs],
+            "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
+            "error": {"fitted": self.error(False), "held_out": self.error(True)},
+        }  # fmt: skip
+        return dict(finite(data))

@@ -31,10 +31,9 @@ from stribeck.mouth.document import (
 )
 
 if TYPE_CHECKING:
-    from stribeck.identify.actuator.result import MachineFit
     from stribeck.identify.core.states import Estimate
-    from stribeck.identify.predict import Predicted
-    from stribeck.identify.result import LogFit
+    from stribeck.identify.predicted import Predicted
+    from stribeck.identify.result import LogFit, MachineFit
     from stribeck.identify.validate import Validated
 
 HEAD = ("parameter", "estimate", "95 % interval", "model range", "unit", "state")

@@ -6,40 +6,61 @@ The file is a result, not an input. A digest of its content shows every change. 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stribeck import laws
 from stribeck.constants import path_of, show
 from stribeck.errors import InputError, arg
 from stribeck.files import finite, json_of, seen_from
-from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.core.states import Estimate, Kept
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.reading import RecordReading
 from stribeck.identify.models.predictor import of_json
-from stribeck.identify.result import Fit, LogFit, RecordReading
+from stribeck.identify.result_parts import LogResult
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario.trust import astray
 
-FILE, MACHINE = "fit.json", "machine.toml"
+if TYPE_CHECKING:
+    from stribeck.identify.result import Fit, LogFit, MachineFit
+
+FILE, MACHINE_FILE = "fit.json", "machine.toml"
+LOG, MACHINE = "log", "machine"  # kinds of fits
 _FORMAT = 8  # counts the layouts of fit.json
-_LOG, _MACHINE = "log", "machine"
+
 # -- writing ---------------------------------------------------------------------------------------------------------
 
 
-def text_of(fit: Fit, folder: Path) -> str:
-    """A fit as the text of a fit.json that lies in a folder: every number with both uncertainties and its state."""
+def text_of_log(fit: LogFit, folder: Path) -> str:
+    """The fit of a log as the text of a fit.json that lies in a folder: the model, its ranges, and how its record was read."""
+    return _text(fit, LOG, {
+        "law": fit.law_name, "method": fit.method, "values": fit.values, "given": list(fit.given), "levels": fit.speeds,
+        "predictor": fit.predictor.to_json() if fit.predictor else None,
+        "candidates": [dict(c) for c in fit.candidates], "fit": fit.known, "seen": fit.seen,
+        "data_sha256": fit.data_hash, "named": asdict(fit.reading.named), "how": asdict(fit.reading.how),
+        "files": [seen_from(folder, Path(name)) for name in fit.reading.files],
+    })  # fmt: skip
+
+
+def text_of_machine(fit: MachineFit, folder: Path) -> str:
+    """The fit of a machine as the text of a fit.json: its recordings, their residuals, and what else was fitted to them."""
+    return _text(fit, MACHINE, {
+        "reason": fit.reason, "name": fit.name, "levels": fit.speeds, "correlated": fit.correlated,
+        "logs": [log.to_dict() for log in fit.logs], "noise": fit.noise, "baselines": fit.baselines, "laws": fit.laws,
+        "source": None if fit.source is None else seen_from(folder, fit.source),
+    })  # fmt: skip
+
+
+def _text(fit: Fit, kind: str, details: Mapping[str, object]) -> str:
+    """The text of a fit.json, with every number's uncertainties and state."""
     common = {
-        "format": _FORMAT, "kind": _LOG if isinstance(fit, LogFit) else _MACHINE, "status": fit.status,
+        "format": _FORMAT, "kind": kind, "status": fit.status,
         "estimates": {n: e.to_dict() for n, e in fit.parameters.items()}, "notes": list(fit.notes),
     }  # fmt: skip
-    if isinstance(fit, LogFit):
-        details = _of_log(fit, folder)
-    else:
-        assert isinstance(fit, MachineFit)
-        details = _of_machine(fit, folder)
     return text_with_digest(json.loads(json.dumps(finite({**common, **details}))))
 
 
@@ -53,31 +74,11 @@ def _digest(data: Kept) -> str:
     return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-def _of_log(fit: LogFit, folder: Path) -> dict[str, object]:
-    """The model, the ranges that it has seen, and how its record was read."""
-    return {
-        "law": fit.law_name, "method": fit.method, "values": fit.values, "given": list(fit.given), "levels": fit.speeds,
-        "predictor": fit.predictor.to_json() if fit.predictor else None,
-        "candidates": [dict(c) for c in fit.candidates], "fit": fit.known, "seen": fit.seen,
-        "data_sha256": fit.data_hash, "named": asdict(fit.reading.named), "how": asdict(fit.reading.how),
-        "files": [seen_from(folder, Path(name)) for name in fit.reading.files],
-    }  # fmt: skip
-
-
-def _of_machine(fit: MachineFit, folder: Path) -> dict[str, object]:
-    """The recordings, what is left of each, and what else was fitted to them."""
-    return {
-        "reason": fit.reason, "name": fit.name, "levels": fit.speeds, "correlated": fit.correlated,
-        "logs": [log.to_dict() for log in fit.logs], "noise": fit.noise, "baselines": fit.baselines, "laws": fit.laws,
-        "source": None if fit.source is None else seen_from(folder, fit.source),
-    }  # fmt: skip
-
-
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 
-def load(folder: Path | str, trust: bool = False) -> Fit:
-    """The fit in a folder; as :meth:`stribeck.Fit.load` says."""
+def read(folder: Path | str) -> tuple[Kept, Path]:
+    """The data of the fit.json in a folder, and its path; raises as :meth:`stribeck.Fit.load`."""
     path = path_of(folder, "fit")
     place = f"{arg('fit')}: '{path}'"
     try:
@@ -96,7 +97,7 @@ def load(folder: Path | str, trust: bool = False) -> Fit:
         whole = False
     if not whole:
         raise InputError(f"{place}: was changed after 'stribeck fit' wrote it: must be as written, or fitted again")
-    return _log_fit(data, path, trust) if data["kind"] == _LOG else _machine_fit(data, path.parent, trust)
+    return data, path
 
 
 def _parts(data: Kept, *names: str) -> Kept:
@@ -108,15 +109,15 @@ def _parts(data: Kept, *names: str) -> Kept:
     }
 
 
-def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
-    """The fit of a log, after a look at where its law lies."""
+def of_log(data: Kept, path: Path, trust: bool) -> Kept:
+    """The fit of a log as the arguments of a LogFit, after a look at where its law lies."""
     if not trust and astray([data["law"]], Path(), Path(), path.parent):
         text = "lies elsewhere, and a law is a program that would be executed"
         remedy = "must be in the current folder, in the fit's or below them, or allowed with trust=True (--trust)"
         raise InputError(f"{arg('fit')}: '{path}': {show(data['law'])}: {text}: {remedy}")
     law, known = laws.find(data["law"]), data["fit"]
     files = tuple(str(path.parent / name) for name in data["files"])
-    return LogFit(
+    return dict(
         **_parts(data, "method", "values", "given", "candidates"),
         predictor=of_json(data["predictor"]) if data["predictor"] else None,
         seen={n: tuple(ends) for n, ends in data["seen"].items()},
@@ -127,11 +128,11 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
     )  # fmt: skip
 
 
-def _machine_fit(data: Kept, folder: Path, trust: bool) -> MachineFit:
-    """The fit of a machine; the machine itself is the file beside it."""
-    machine = folder / MACHINE
+def of_machine(data: Kept, folder: Path, trust: bool) -> Kept:
+    """The fit of a machine as the arguments of a MachineFit; the machine itself is the file beside it."""
+    machine = folder / MACHINE_FILE
     tables = read_toml(machine) if machine.is_file() and data["status"] == "done" else {}
-    return MachineFit(
+    return dict(
         **_parts(data, "reason", "correlated", "noise", "baselines", "laws", "name"), data=tables, folder=folder,
         logs=[LogResult(x["file"], x["held_out"], [], x["errors"]) for x in data["logs"]],
         source=None if data["source"] is None else folder / data["source"], trust=trust,

@@ -12,6 +12,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg, note
+from stribeck.identify import said
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.identify.log import Trace
 from stribeck.mouth.document import Document
@@ -61,8 +62,6 @@ class Validated(Told):
 
     def document(self) -> Document:
         """The document of the comparison, for the terminal and for a page."""
-        from stribeck.identify import said
-
         return said.of_validation(self)
 
     def to_dict(self) -> dict[str, object]:

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import tomli_w
 
 from stribeck import laws
 from stribeck.errors import note
 from stribeck.files import seen_from, together, write_text
-from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.models.forms import effect, in_words
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.result import Fit, LogFit
-from stribeck.identify.saved import FILE, MACHINE, text_of
+from stribeck.identify.saved import FILE, MACHINE_FILE, text_of_log, text_of_machine
 from stribeck.mouth import page
 from stribeck.scenario.moved import moved
 from stribeck.version import __version__
 
+if TYPE_CHECKING:
+    from stribeck.identify.result import Fit, LogFit, MachineFit
+
 PARAMETERS, REPORT = "parameters.toml", "report.html"
-FILES = (PARAMETERS, FILE, MACHINE, REPORT)
+FILES = (PARAMETERS, FILE, MACHINE_FILE, REPORT)
 # What an older fit has left and a new one may not write: it would stand beside numbers that are not its own.
-_OLDER = {MACHINE: "# Found by: ", REPORT: ""}
+_OLDER = {MACHINE_FILE: "# Found by: ", REPORT: ""}
 
 
 def write_fit(fit: Fit, folder: Path, command: str = "", paths: list[str] | None = None) -> list[str]:
@@ -38,8 +40,10 @@ def write_fit(fit: Fit, folder: Path, command: str = "", paths: list[str] | None
     """
     paths = [] if paths is None else paths
     with together(folder, last=PARAMETERS, older=_OLDER) as place:
-        names = _write_numbers(fit, place, folder, command)
-    paths += [str(folder / name) for name in names]
+        texts = fit.files(folder, command)
+        for name, text in texts.items():
+            write_text(place / name, text)
+    paths += [str(folder / name) for name in texts]
     try:
         with together(folder, last=REPORT) as place:
             page.write(fit.document(), place, command, REPORT, pictures=False)
@@ -50,36 +54,39 @@ def write_fit(fit: Fit, folder: Path, command: str = "", paths: list[str] | None
     return paths
 
 
-def _write_numbers(fit: Fit, place: Path, folder: Path, command: str) -> list[str]:
-    """Write the numbers into ``place``, as ``folder`` will hold them; their names."""
-    write_text(place / FILE, text_of(fit, folder))
-    write_text(place / PARAMETERS, toml(fit, command, folder))
-    if not isinstance(fit, MachineFit) or fit.status != "done":
-        return [PARAMETERS, FILE]
-    write_text(place / MACHINE, f"# Found by: {command}\n{tomli_w.dumps(moved(fit.data, fit.folder, folder))}")
-    return [PARAMETERS, FILE, MACHINE]
+def of_log(fit: LogFit, folder: Path, command: str) -> dict[str, str]:
+    """The numbers of a log's fit as the text of files: a parameter set, and fit.json."""
+    known = laws.find(fit.law_name).constants()
+    fitted = {n: _row(e, fit.values.get(n)) for n, e in fit.of_law.items()}
+    given = {n: fit.values[n] for n in fit.given if n in known}
+    tables = {"parameters": {**given, **fitted}, "body": {n: _row(e) for n, e in fit.body.items()}}
+    return {PARAMETERS: _toml(fit, command, _model(fit, command), tables), FILE: text_of_log(fit, folder)}
 
 
-def toml(fit: Fit, command: str, folder: Path | None = None) -> str:
-    """The numbers, each with both uncertainties and its state; those of a log are a parameter set.
+def of_machine(fit: MachineFit, folder: Path, command: str) -> dict[str, str]:
+    """The numbers of a machine's fit as the text of files; with machine.toml if the fit is done."""
+    about = {"reason": fit.reason} if fit.reason else {}
+    about |= {} if fit.source is None else {"logs": seen_from(folder, fit.source)}
+    tables = {"parameters": {n: _row(e) for n, e in fit.estimates.items()}}
+    texts = {PARAMETERS: _toml(fit, command, about, tables), FILE: text_of_machine(fit, folder)}
+    if fit.status == "done":
+        texts[MACHINE_FILE] = f"# Found by: {command}\n{tomli_w.dumps(moved(fit.data, fit.folder, folder))}"
+    return texts
+
+
+def _toml(fit: Fit, command: str, about: Mapping[str, object], tables: Mapping[str, object]) -> str:
+    """The numbers, each with both uncertainties and its state.
 
     A number that the data do not determine is marked ``determined = false``.
     """
-    about: dict[str, object] = {"version": __version__, "command": command, "status": fit.status}
-    if isinstance(fit, LogFit):
-        about |= _of_log(fit, command)
-        tables = _tables_of_log(fit)
-    else:
-        assert isinstance(fit, MachineFit)
-        tables = {"parameters": {n: _row(e) for n, e in fit.estimates.items()}}
-        about |= {"reason": fit.reason} if fit.reason else {}
-        about |= {} if fit.source is None or folder is None else {"logs": seen_from(folder, fit.source)}
     levels = {n: {"speed": fit.speeds[n], **_row(e)} for n, e in fit.levels.items()}
-    text = tomli_w.dumps({**about, **tables, "levels": levels})
+    text = tomli_w.dumps({
+        "version": __version__, "command": command, "status": fit.status, **about, **tables, "levels": levels
+    })  # fmt: skip
     return f"# SI units; intervals (low, high) and ranges at 95 %.\n{text}"
 
 
-def _of_log(fit: LogFit, command: str) -> dict[str, object]:
+def _model(fit: LogFit, command: str) -> dict[str, object]:
     """The fitted model."""
     data = ", ".join(Path(name).name for name in fit.reading.files) or fit.title
     about = {
@@ -95,14 +102,6 @@ def _left_out(fit: LogFit) -> list[str]:
     """The friction that the fit found and the law has no constant for, each effect once."""
     terms = [name for name, e in fit.body.items() if e.usable and (TERMS[name].level or TERMS[name].friction)]
     return list(dict.fromkeys([*terms, *(in_words(form) for form in fit.forms or () if effect(form)[0].level)]))
-
-
-def _tables_of_log(fit: LogFit) -> dict[str, object]:
-    """The law's parameters as its curve has them, given ones too, and what belongs to the rig."""
-    known = laws.find(fit.law_name).constants()
-    fitted = {n: _row(e, fit.values.get(n)) for n, e in fit.of_law.items()}
-    given = {n: fit.values[n] for n in fit.given if n in known}
-    return {"parameters": {**given, **fitted}, "body": {n: _row(e) for n, e in fit.body.items()}}
 
 
 def _row(e: Estimate, used: float | str | None = None) -> Mapping[str, object]:

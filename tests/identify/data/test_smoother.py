@@ -1,14 +1,14 @@
-"""The smoother of the motion: the filter itself, and what it does to fits of files written apart."""
+"""The smoother of the motion: the filter, its slopes, and what it does to fits of files written apart."""
 
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
 import stribeck
-from stribeck.identify.api import read_log
-from stribeck.identify.data.filters import low_pass
-from stribeck.identify.data.prepare import Preparation, load_log
+from stribeck.identify.data.filters import low_pass, spline_derivative
+from stribeck.identify.data.prepare import Preparation, _without_ends, load_log
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.reading import read_log
 from stribeck.identify.data.smoother import encoder_step, likeliest
 from stribeck.identify.result import Fit
 
@@ -45,6 +45,30 @@ def test_noise_is_at_least_that_of_rounding():
     assert encoder_step([y]) == 0.0
     assert encoder_step([np.append(y, [0.0, 5e-324])]) == 0.0
     assert encoder_step([np.ones(9)]) == 0.0
+
+
+def test_the_end_of_a_run_is_left_out_where_it_ends_in_motion():
+    v = np.concatenate([np.sin(3e-3 * np.arange(2000)), np.clip(np.linspace(2, -1, 2000), 0, 1)])
+    rows, (text,) = _without_ends({"velocity": v}, [2000, 2000], 100)
+    assert np.flatnonzero(~rows).tolist() == [*range(1900, 2000)]
+    assert "the last 100 rows were left out" in text
+    assert _without_ends({"velocity": v[2000:]}, [2000], 100) == (slice(None), [])
+
+
+def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
+    t, rate = np.arange(400) * 2e-3, 2 * np.pi * 50
+    table = {"t": t, "x": np.sin(rate * t), "F": np.cos(rate * t)}
+    log = load_log([table], ColumnNames(NAMES), Preparation(0.0, True))
+    inside = slice(50, -50)
+    assert log.velocity[inside] == pytest.approx(rate * np.cos(rate * t[inside]), abs=2e-3 * rate)
+    assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)
+
+
+def test_the_slope_of_a_long_column_is_taken_in_pieces_that_nobody_sees(monkeypatch):
+    x = np.cumsum(np.random.default_rng(3).normal(size=1030))
+    whole = spline_derivative(x, 1e-3)
+    monkeypatch.setattr("stribeck.identify.data.filters.MANY_ROWS", 100)
+    assert spline_derivative(x, 1e-3) == pytest.approx(whole, rel=1e-9, abs=1e-9 * np.ptp(whole))
 
 
 @pytest.mark.parametrize("order", [2, 4])

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs, read_logs
-from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.result import MachineFit
 
 __all__ = ["Logs", "MachineFit", "fit_machine", "read_logs"]

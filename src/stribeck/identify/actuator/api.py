@@ -16,10 +16,11 @@ from stribeck.identify.actuator import checks, choice, judge
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
-from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.data.quality import unwrapped, unwrapping_note
+from stribeck.identify.result import MachineFit
+from stribeck.identify.result_parts import LogResult
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed

@@ -15,9 +15,10 @@ from stribeck.errors import InputError, StribeckError, StribeckNote, arg, first_
 from stribeck.identify.actuator.coordinates import SPEED, MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
+from stribeck.identify.result import MachineFit
+from stribeck.identify.result_parts import Baseline, Picked
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.scenario.trust import astray

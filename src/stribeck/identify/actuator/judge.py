@@ -15,11 +15,11 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.lacks import forms_in_words
 from stribeck.identify.actuator.regression import MachineLibrary, regressed
-from stribeck.identify.actuator.result import Group
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.forms import dependences
+from stribeck.identify.result_parts import Group
 from stribeck.scenario import Scenario
 
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide

@@ -9,23 +9,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import open_file
+from stribeck.files import open_file, write_text
+from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.data.filters import HIGHEST, low_pass
 from stribeck.identify.data.quality import EVEN
+from stribeck.identify.result import MachineFit
 from stribeck.recorded import is_table, no_column, opened
 from stribeck.scenario import Scenario
-
-if TYPE_CHECKING:
-    from stribeck.identify.actuator.result import MachineFit
 
 MuJoCo = Any  # MuJoCo's modules, models and data have no types
 
@@ -44,8 +43,6 @@ class Joint:
 
     def fit(self, **options: Any) -> MachineFit:
         """Fit the joint's friction; ``options`` are those of :func:`fit_machine`, such as ``laws={"friction": [...]}``."""
-        from stribeck.identify.actuator.api import fit_machine
-
         return fit_machine(self.machine, self.logs, **options)
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
@@ -54,8 +51,6 @@ class Joint:
         The folder is created if it does not exist.
         """
         import tomli_w
-
-        from stribeck.files import write_text
 
         folder, entries = Path(folder), list[dict[str, object]]()
         folder.mkdir(parents=True, exist_ok=True)

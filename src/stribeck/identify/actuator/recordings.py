@@ -19,13 +19,13 @@ from stribeck.errors import InputError, arg, naming, nearest
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.data.quality import LARGEST, impossible, isolated_outliers
 from stribeck.identify.data.smoother import smooth, smoothing
+from stribeck.identify.log import FEWEST_SAMPLES
 from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity, refused
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-FEWEST_SAMPLES = 8  # of a recording: an initial state takes half, a parabola and one more, and as many show the fit
 FAR = 6.0  # standard deviations that no error reaches: bounds from a prior or from first samples cut nothing off
 Finite = Annotated[float, ConstantField(Constant("", ""))]
 T = TypeVar("T", bound=FileTable)

@@ -23,8 +23,6 @@ from stribeck.waveforms import Signal
 from stribeck.waveforms.piecewise import PointsSignal
 
 Late = tuple[Array, Array]  # of each lane: constant delay, s, and clock drift, s/s
-# Samples from which an initial state is estimated: few enough for a parabola, and a slope's noise is a twelfth.
-FIRST_SAMPLES = 12
 _FINER = 5  # rows of a step, if a delay is fitted: a cubic spline between them errs by less than the solver
 _EVEN = 2e-5  # of a step: tolerance of an even grid of samples, far above the rounding of times
 _LOCK = Lock()

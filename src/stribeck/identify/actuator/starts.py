@@ -9,9 +9,10 @@ import numpy as np
 
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.recordings import FAR, FEWEST_SAMPLES, Channel, Recording
-from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, least_step, recorded_run
+from stribeck.identify.actuator.recordings import FAR, Channel, Recording
+from stribeck.identify.actuator.runs import RecordedRun, least_step, recorded_run
 from stribeck.identify.features.filtering import roughness
+from stribeck.identify.log import FEWEST_SAMPLES, FIRST_SAMPLES
 from stribeck.scenario import Scenario
 
 _BENDS = 2.0  # times the noise: a larger residual shows that a parabola does not describe the samples

@@ -12,13 +12,10 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.runs import FIRST_SAMPLES
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.actuator.starts import prepared
-from stribeck.identify.log import Trace
+from stribeck.identify.log import BEGIN, Trace
 from stribeck.scenario import Scenario
-
-BEGIN = 2 * FIRST_SAMPLES  # to which the initial state of a predicted recording is fitted
 
 
 def traces(

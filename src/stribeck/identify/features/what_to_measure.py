@@ -1,13 +1,19 @@
-"""Advice on experiments that would identify a parameter."""
+"""Estimates with their units, and the experiments that would identify open ones."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from stribeck import laws
 from stribeck.constants import rotary_unit
-from stribeck.identify.features.guess import Sizes
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.features.guess import Sizes, sizes_of
+from stribeck.identify.log import Log, thinned
+from stribeck.identify.models.curves import REACHED
+from stribeck.identify.models.terms import TERMS
 
 _WORDS = {
     "sigma_0": "small reversals of {small} to {large} (peak to peak), at least 20 samples each, the largest at {loop} or "
@@ -85,3 +91,33 @@ def experiment_for(
     numbers = reachable(values, sizes, open_)
     units = {n: rotary_unit(_UNITS.get(n, "m/s")) if rotary else _UNITS.get(n, "m/s") for n in numbers}
     return words.format(**{n: f"{float(f'{x:.2g}'):g} {units[n]}" for n, x in numbers.items()})
+
+
+def with_units(
+    estimates: Mapping[str, Estimate], law: str, given: Mapping[str, float], log: Log
+) -> dict[str, Estimate]:
+    """The estimates of a log's fit, the law's first, with units, and with the experiment that would determine open ones.
+
+    Args:
+        given: constants of the law.
+    """
+    constants, sizes, out = laws.find(law).constants(), sizes_of(thinned(log)), dict[str, Estimate]()
+    values = {**given, **{n: e.value for n, e in estimates.items()}}
+    open_ = [n for n, e in estimates.items() if not e.usable]
+    for name in [*(n for n in constants if n in estimates), *(n for n in estimates if n not in constants)]:
+        e, of = estimates[name], constants if name in constants else TERMS
+        unit = of[name].unit if name in of else "N"
+        e = replace(e, unit=log.unit(unit))
+        if not e.usable or e.state is EstimateState.AT_LEAST:
+            experiment = "" if e.files_differ else experiment_for(name, values, sizes, open_, rotary=log.rotary)
+            e = replace(e, why=e.why or _why(e), experiment=experiment)
+        out[name] = e
+    return out
+
+
+def _why(e: Estimate) -> str:
+    if e.files_differ:
+        return "the files differ"
+    if e.state is EstimateState.NOT_IDENTIFIABLE:
+        return "its interval is not narrow"
+    return f"no sliding below {REACHED:g} v_s was recorded"

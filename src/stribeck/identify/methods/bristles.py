@@ -17,7 +17,8 @@ from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models.record import shortened
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Candidate, LogFit
+from stribeck.identify.result import LogFit
+from stribeck.identify.result_parts import Candidate
 from stribeck.identify.work import Progress, part
 
 LAW = "lugre"

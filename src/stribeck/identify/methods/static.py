@@ -20,6 +20,7 @@ from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import roughness, smoother_log
 from stribeck.identify.features.guess import steady_curve
+from stribeck.identify.features.what_to_measure import with_units
 from stribeck.identify.log import ENOUGH_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve
@@ -29,7 +30,8 @@ from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
 from stribeck.identify.models.steady import RANK, SteadyLibrary, chosen
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
+from stribeck.identify.result import LogFit
+from stribeck.identify.result_parts import Candidate, FrictionRows
 from stribeck.identify.work import Progress
 
 PLAIN = "coulomb_viscous"
