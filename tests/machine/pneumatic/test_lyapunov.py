@@ -11,12 +11,14 @@ from stribeck import StribeckError, examples
 from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
-from stribeck.loops.lyapunov import along, gains_of, rises
+from stribeck.loops.lyapunov import along, cascade_of, gains_of, rises
 from stribeck.loops.proof import ERRORS, _form, derive
+from stribeck.loops.servo import doubts
 from stribeck.machine.pneumatic import observer
 from tests.machine.pneumatic.servos import servo, solved
 
 TABLE_1 = {"parameters": "canudas1995", "k_v": 1e8}
+MAJORANT = {"name": "lugre_majorant", "k_v": 1e6}
 
 
 def symbols(names):
@@ -198,6 +200,20 @@ def test_V_rises_where_laws_differ():
     summary = result.summary()
     assert summary["rise_times"]
     assert summary["largest_rise"] > 1e-7
+
+
+@pytest.mark.parametrize(("changes", "reason"), [
+    ({}, None),
+    ({"law": MAJORANT, "observer": {**MAJORANT, "smooth_abs": "sqrt"}}, "plant and observer differ"),
+    ({"drive__model": {"mass": 3.5}}, "another plant"),
+    ({"drive__sample_time": 1e-3}, "is sampled"),
+    ({"drive__adaptive": True}, "adapted parameters"),
+    ({"drive__supply_droop": 1e7}, "the supply droops"),
+])  # fmt: skip
+def test_the_proof_names_what_it_does_not_cover(changes, reason):
+    scenario = servo(**changes)
+    named = [text for text in doubts(scenario, cascade_of(scenario)) if "valve at its limit" not in text]
+    assert [reason in text for text in named] == ([True] if reason else [])
 
 
 def test_z_err_vanishes_at_rest():
