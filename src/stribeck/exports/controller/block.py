@@ -162,8 +162,6 @@ class Block:
     @cached_property
     def pieces(self) -> list[list[float]]:
         """The values of the signal's pieces, each after its start."""
-        if self.part == "compensator" or not self.path_columns:
-            return []
         table = pieces(self.scenario.elements.signals[self.controller.use])
         rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
         return [[start, *row] for start, row in rows] if self.piece_fields else []
