@@ -12,7 +12,7 @@ import tomli_w
 
 import stribeck
 from stribeck import examples
-from stribeck.cli import listen
+from stribeck.cli.stops import listen
 from stribeck.files import together, write_text
 from stribeck.identify import written
 from stribeck.identify.actuator import MachineFit

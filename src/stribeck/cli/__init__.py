@@ -11,13 +11,12 @@ import warnings
 from contextlib import suppress
 from typing import NoReturn
 
+from stribeck.cli.stops import listen, stopped
 from stribeck.cli.words import option, status_of
 from stribeck.errors import InputError, StribeckNote, naming, one_line
 
 _LINEAR_ALGEBRA = {"fit", "predict", "design"}  # commands that may solve large linear systems
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
-_SIGNALS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "ended"}
-_stopped_by = signal.SIGINT  # the last of these: Typer catches what is raised and tells no more than that it came
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -30,24 +29,9 @@ def main(arguments: list[str] | None = None) -> NoReturn:
         for number in taken:  # all is done and said: Python's own end takes no more stops
             signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before the command begins, or between its end and here
-        status = 128 + _stopped_by
+        status, _ = stopped()
     gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
     sys.exit(status)
-
-
-def listen() -> list[signal.Signals]:
-    """Take as stops the signals that nobody else takes or ignores, as a shell's background job and nohup do."""
-
-    def stop(number: int, frame: object) -> None:
-        global _stopped_by
-        _stopped_by = signal.Signals(number)
-        raise KeyboardInterrupt
-
-    usual = (signal.SIG_DFL, signal.default_int_handler)
-    taken = [number for number in signal.Signals if number.name in _SIGNALS and signal.getsignal(number) in usual]
-    for number in taken:
-        signal.signal(number, stop)
-    return taken
 
 
 def make_ready(arguments: list[str]) -> None:
@@ -81,9 +65,10 @@ def _status(arguments: list[str]) -> int:
         print("\n".join(error.problems), file=sys.stderr)
         return 2
     except KeyboardInterrupt:
+        status, text = stopped()
         with suppress(OSError):  # the terminal may have gone
-            print(f"stribeck: {_SIGNALS[_stopped_by.name]}", file=sys.stderr)
-        return 128 + _stopped_by
+            print(text, file=sys.stderr)
+        return status
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone: nothing is left to tell
         return 1
