@@ -12,7 +12,7 @@ from stribeck.loops.excess import BEYOND
 from stribeck.loops.judge import SHORTEST, Judgment
 from stribeck.loops.loop import controller_of
 from stribeck.loops.starts import Start, distinct_judgments
-from stribeck.mouth.cells import human
+from stribeck.mouth.cells import digits, human
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Head, Table
 from stribeck.scenario import said as of_scenario
 
@@ -94,7 +94,7 @@ def along_sentences(line: PathVerdicts) -> list[str]:
     if not line.boundaries and not line.mixed:
         return [f"{line.judgments[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [
-        (b.low, f"{b.below} up to {b.path} = {b.low:.6g}, {b.above} from {b.high:.6g}") for b in line.boundaries
+        (b.low, f"{b.below} up to {b.path} = {digits(b.low)}, {b.above} from {digits(b.high)}") for b in line.boundaries
     ]
     sentences += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
     return [*(text for _, text in sorted(sentences)), missed]
@@ -103,7 +103,7 @@ def along_sentences(line: PathVerdicts) -> list[str]:
 def mixed_sentence(m: Mixed) -> str:
     """An interval in which no single boundary is reported."""
     met = f" ({', '.join(m.verdicts)})" if m.verdicts else ""
-    return f"{m.low:.4g} to {m.high:.4g}: mixed{met}; {m.below} below, {m.above} above"
+    return f"{digits(m.low, 4)} to {digits(m.high, 4)}: mixed{met}; {m.below} below, {m.above} above"
 
 
 def _compensations(result: Design, unit: str) -> Chapter:
@@ -175,7 +175,7 @@ def _starts(result: Design) -> Chapter:
     text = [
         f"From its own start it {_MEANING[result.verdict]}.",
         f"The loop is simulated until its signals are constant, and then over at least {SHORTEST} of its slowest time constants "
-        f"({result.loop.slowest:.3g} s while all contacts slide). The second half is judged.",
+        f"({human(result.loop.slowest, 's')} while all contacts slide). The second half is judged.",
         "From other starts, the signals keep their last values. The body begins at the listed distance from its target, or at "
         "the target with the listed speed. Integrals begin at 0.",
     ]

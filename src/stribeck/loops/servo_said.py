@@ -11,6 +11,7 @@ from stribeck.loops.gains import Condition
 from stribeck.loops.lyapunov import Along, gains_of
 from stribeck.loops.proof import derive
 from stribeck.mouth import plots
+from stribeck.mouth.cells import digits, human
 from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import said as of_scenario
 from stribeck.simulation.drawing import overview
@@ -30,9 +31,11 @@ def servo(result: ServoDesign) -> Document:
     given = gains_of(scenario)
     facts = [f"by intervals, for all errors, in {proof.boxes} boxes{f': {proof.reason}' if proof.reason else ''}"]
     if not v.exact.holds:
-        facts.append(f"gains with a margin of two: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}")
+        facts.append(
+            f"gains with a margin of two: K_D = {digits(v.proposed['K_D'], 4)}, or K = {digits(v.proposed['K'], 4)}"
+        )
     facts.append("not covered: " + "; ".join(result.not_covered))
-    rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
+    rows = [_row("exact condition", v.exact), _row("corrected eq. (21)", v.sufficient)]
     numbers = [Head(text, 4) for text in ("needs K_D at least (N s/m)", "margin", "up to (m/s)")]
     head: list[str | Head] = ["condition", "holds", *numbers]
     gains: list[list[Cell]] = [[n, given[n], v.proposed[n]] for n in ("K_D", "K")]
@@ -40,8 +43,8 @@ def servo(result: ServoDesign) -> Document:
         "conditions", "Conditions and proof", (),
         [Table(head, rows), Table(["gain", "given", "with a factor of two to spare"], gains, on=PAGE)],
         facts=[
-            f"K_D = {given['K_D']:g} N s/m, K = {given['K']:g} m/N, w <= {v.w_max:.4g} 1/s",
-            f"corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N",
+            f"K_D = {given['K_D']:g} N s/m, K = {given['K']:g} m/N, w <= {digits(v.w_max, 4)} 1/s",
+            f"corrected eq. (21) also needs K < {digits(v.largest_K_sufficient, 4)} m/N",
         ],
         code=f"dV/dt = {derive().derivative}",
     )  # fmt: skip
@@ -50,7 +53,7 @@ def servo(result: ServoDesign) -> Document:
     chapters = [conditions, *([_along(result)] if result.along is not None else [])]
     return Document(
         scenario.name,
-        f"V decreases for |v| <= {v.v_max:.4g} m/s: {_WORD[proof.proven]}",
+        f"V decreases for |v| <= {digits(v.v_max, 4)} m/s: {_WORD[proof.proven]}",
         facts,
         [*chapters, Chapter("plots", "Plots", figures=figures, on=PAGE), of_scenario.file(scenario)],
     )
@@ -65,18 +68,19 @@ def _along(result: ServoDesign) -> Chapter:
     along = result.along
     assert along is not None
     facts = [
-        f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J; rows after which it rises by more than 1e-9 V(0): "
-        f"{int(along.rises.sum())}; largest rise: {along.largest_rise:.3g} J"
+        f"V goes from {human(along.V[0], 'J', 4)} to {human(along.V[-1], 'J', 4)}; rows after which it rises by more than "
+        f"1e-9 V(0): {int(along.rises.sum())}; largest rise: {human(along.largest_rise, 'J')}"
     ]
-    for what, spans in zip(("V rises", "dV/dt above (19)", "valve saturates"), along.spans.values(), strict=True):
+    for what, spans in zip(("V rises", "dV/dt above eq. (19)", "valve saturates"), along.spans.values(), strict=True):
         if spans:
             more = f" and {len(spans) - _SPANS} more" if len(spans) > _SPANS else ""
             facts.append(f"{what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:_SPANS]) + f" s{more}")
     if (stays := result.staying) is not None:
         word = "stays" if stays.holds else "is not shown to stay"
         facts.append(
-            f"from this start |v| {word} below {result.gains.v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s); so it "
-            f"does from every start with V(0) < {stays.largest_V:.4g} J and lambda |e(0)| <= sqrt(2 V(0)/M)"
+            f"from this start |v| {word} below {digits(result.gains.v_max, 4)} m/s (V falls, so |v| <= {digits(stays.bound, 4)} "
+            f"m/s); so it does from every start with V(0) < {human(stays.largest_V, 'J', 4)} and lambda |e(0)| <= "
+            "sqrt(2 V(0)/M)"
         )
     return Chapter("along", "Along the simulation", facts=facts)
 
@@ -92,7 +96,7 @@ def _lyapunov_figure(along: Along) -> Figure:
         plots.logarithmic(axes["V"], x=False)
         if along.dV_dt is not None:
             axis = axes["rate"]
-            for i, (values, label) in enumerate(((along.bound, "bound (19)"), (along.dV_dt, "dV/dt"))):
+            for i, (values, label) in enumerate(((along.bound, "bound, eq. (19)"), (along.dV_dt, "dV/dt"))):
                 if values is not None:
                     falling = np.where(values < 0, -values, np.nan)
                     plots.line(axis, i + 1, *plots.thin(along.t, falling), label)

@@ -36,7 +36,12 @@ def significant(x: float, count: int) -> str:
     short = f"{x:.{count}g}"
     if math.isfinite(x) and not math.isclose(float(short), x, rel_tol=_EXACT):
         short = f"{x:#.{count}g}".replace(".e", "e").removesuffix(".")
-    return f"{float(short):.7g}" if "e+" in short else short  # 4460 rather than 4.46e+03
+    return _plain(short)
+
+
+def _plain(text: str) -> str:
+    """A number without a power of ten that seven digits do not need: 4460 rather than 4.46e+03."""
+    return f"{float(text):.7g}" if "e+" in text else text
 
 
 def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...]:
@@ -47,7 +52,7 @@ def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...
 
 def digits(x: float | None, count: int = 6) -> str:
     """A number with so many digits; ``-`` where there is none."""
-    return "-" if x is None or math.isnan(x) else f"{x:.{count}g}"
+    return "-" if x is None or math.isnan(x) else _plain(f"{x:.{count}g}")
 
 
 def rounded_up(x: float) -> str:
