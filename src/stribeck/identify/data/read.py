@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -71,10 +71,16 @@ def beside(path: Path) -> ColumnNames:
 
 
 def named_in(source: Source, columns: ColumnNames) -> ColumnNames:
-    """The columns of a file, completed by the TOML file beside it and then by the file's own row of units."""
+    """The columns of a file, completed by the TOML file beside it and then by the file's own row of units.
+
+    If no column is named, those that are called like their role are taken; a command only if it is named.
+    """
+    if isinstance(source.path, Path):
+        columns = columns.over(beside(source.path))
+    if not columns.names:
+        columns = replace(columns, names={role: role for role in UNITS if role in source.names and role != "command"})
     if not isinstance(source.path, Path):
         return columns
-    columns = columns.over(beside(source.path))
     stated = {
         name: unit
         for role, name in columns.names.items()
