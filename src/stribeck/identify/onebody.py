@@ -361,7 +361,7 @@ def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Itera
 
 
 def _words(model: OneBody) -> dict[str, str]:
-    """Names of errors of the output's sensor in the fit of a log. The only contact has no name."""
+    """Names of numbers and of errors of the output's sensor in the fit of a log. The only contact has no name."""
     errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
     of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
-    return {**of_output, "contact": ""}
+    return {**of_output, **{model.path(n): n for n in (*model.law.constants(), "mass")}, "contact": ""}

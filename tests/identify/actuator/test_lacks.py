@@ -74,10 +74,10 @@ def named(found):
 
 
 LACKS = {
-    "level by direction": lambda y, v, push: 4e-4 * abs(sign(v)),
+    "differs by direction": lambda y, v, push: 4e-4 * abs(sign(v)),
     "bend": lambda y, v, push: 1.5e-3 * np.exp(-((v / 0.4) ** 2)) * sign(v),
     "drag": lambda y, v, push: 1e-4 * v * abs(v),
-    "level by push.f": lambda y, v, push: 1.8e-3 * abs(push) * sign(v),
+    "grows with push.f": lambda y, v, push: 1.8e-3 * abs(push) * sign(v),
 }
 
 
@@ -87,7 +87,7 @@ def test_ranges_hold_where_a_term_lacks(what):
     """White residuals hide the bump and the drag."""
     result = fitted(LACKS[what])
     assert not outside(result), {n: (e.value, e.range) for n, e in result.estimates.items()}
-    if what in ("level by direction", "level by push.f"):
+    if what in ("differs by direction", "grows with push.f"):
         assert any(what in note for note in named(result)), result.notes
 
 
@@ -148,7 +148,7 @@ def test_slopes_of_a_term_are_those_of_scipy():
     size = np.sqrt(np.mean((TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v) ** 2))  # of the friction
     along = {
         "offset": (lambda y, v, push: 1.0, np.ones_like(v)),
-        "drag": (lambda y, v, push: v * abs(v), v * abs(v)),
+        "growth 2.0": (lambda y, v, push: v * abs(v), v * abs(v)),
         "weight": (lambda y, v, push: np.sin(y), np.sin(plain)),
         "level by push.f": (lambda y, v, push: abs(push) * sign(v), abs(u) * sign(v)),
     }
@@ -171,7 +171,7 @@ def test_a_spring_of_a_contact_is_deflected_by_what_slides_in_it():
     grown = np.concatenate([[0.0], np.cumsum((w[1:] + w[:-1]) / 2 * np.diff(motion.each("t")[0]))])
     assert np.allclose(terms["spring"] - terms["spring"][0], grown, atol=1e-3 * np.ptp(grown))
     assert np.allclose(terms["level by position"], (F - TRUTH[f"{LAW}sigma_2"] * w) * terms["spring"])
-    assert np.allclose(terms["drag"], w * abs(w))
+    assert np.allclose(terms["growth 2.0"], w * abs(w))
 
 
 @pytest.mark.parametrize(
@@ -212,9 +212,9 @@ def test_a_term_adds_to_the_friction_of_a_measured_motion():
     run = Recording("run", T, {"joint.F": Channel("F", T, F, beside={"weight": 3 * y})})
     result = slopes(problem_of(scenario, [(0, run)], sought, {"joint.F": NOISE}))
     drag = v * abs(v) * np.sqrt(np.mean(F**2) / np.mean((v * abs(v)) ** 2)) / NOISE
-    assert np.allclose(result["joint: drag", 0], drag, atol=1e-2 * abs(drag).max())
+    assert np.allclose(result["joint: growth 2.0", 0], drag, atol=1e-2 * abs(drag).max())
     names = {n.removeprefix("joint: ") for n, _ in result}
-    assert {"cubic drag", "level by direction", "weight"} < names
+    assert {"growth 3.0", "level by direction", "weight"} < names
     assert not {"offset", "spring"} & names
 
 

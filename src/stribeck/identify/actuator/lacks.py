@@ -19,6 +19,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import RecordedRun, rms
 from stribeck.identify.core.library import UNNOTICED
+from stribeck.identify.models.forms import in_words
 from stribeck.scenario.changes import unused_prefix
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
@@ -30,6 +31,10 @@ _TURNED = 0.3  # rad: over a smaller range, a weight acts as a constant
 _SMOOTHING = (".k_v", ".z_ba")  # parameters of the model, not of the machine
 _FAINT = 1e-9  # relative square of what a column adds to others: below it lies the rounding of an interpolated motion
 _HALF = 0.5  # of a fixed number, to either side: bounds of its coordinate
+_IN_WORDS = {  # what only the forward fit has
+    "offset": "a constant force", "level by direction": "a friction level that differs by direction",
+    "level by turn": "a friction level that changes with the angle",
+}  # fmt: skip
 AtSpeed = Callable[[Array, Array], Array]  # a term's contribution to the steady level, from level and speed
 
 
@@ -87,7 +92,7 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion, words: M
     r = problem.residuals(u[None])[0]
     every = [
         *_friction(problem, u, motion, words),
-        *_fixed(problem, u),
+        *_fixed(problem, u, words),
         *_sensors(problem, u, r, words),
         *_inputs(problem, u, r),
     ]
@@ -147,8 +152,10 @@ def _friction(problem: MachineProblem, u: Array, motion: RunMotion, words: Mappi
 def _form(contact: str, term: str, slopes: Array, at: AtSpeed | None, words: Mapping[str, str]) -> MissingForm:
     """A friction term as a form."""
     kind = term.removesuffix(" sin").removesuffix(" cos")
-    group, label = f"{contact}: {kind}", words.get(contact, f"{contact}: ") + kind
-    return MissingForm(group, slopes, UNNOTICED, _of_friction(contact, term), label, contact, at)
+    text = _IN_WORDS.get(kind) or in_words(kind).replace("level by ", "friction that grows with ")
+    of = "the friction" if contact in words else f"{contact}.F"
+    label = words.get(contact, f"{contact}: ") + text
+    return MissingForm(f"{contact}: {kind}", slopes, UNNOTICED, _of_friction(text, of), label, contact, at)
 
 
 def _of_force(problem: MachineProblem, motion: RunMotion, contact: str, forces: Sequence[Array]) -> Array | None:
@@ -173,8 +180,8 @@ def _times(at: AtSpeed, size: float) -> AtSpeed:
     return lambda level, v: size * at(level, v)
 
 
-def _of_friction(contact: str, term: str) -> Callable[[float], str]:
-    return lambda x: f"{term} ({100 * abs(x):.2g} % of {contact}.F)"
+def _of_friction(text: str, of: str) -> Callable[[float], str]:
+    return lambda x: f"{text} ({100 * abs(x):.2g} % of {of})"
 
 
 def _loads(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
@@ -212,8 +219,8 @@ def _terms(
     fastest = max(float(np.max(abs(x))) for x in w)
     if not (np.isfinite(fastest) and fastest > 0 and all(np.isfinite(x).all() for x in level)):
         return
-    steady: dict[str, AtSpeed] = {f"bend below {share * fastest:.2g}": _bend(share * fastest) for share in BENDS}
-    steady |= {"drag": lambda _, v: v * abs(v), "cubic drag": lambda _, v: v**3}
+    steady: dict[str, AtSpeed] = {f"bend {share} square": _bend(share * fastest) for share in BENDS}
+    steady |= {"growth 2.0": lambda _, v: v * abs(v), "growth 3.0": lambda _, v: v**3}
     if not viscous:
         steady["viscous friction"] = lambda _, v: v
     for name, at in steady.items():
@@ -224,7 +231,7 @@ def _terms(
 
     further = {
         "offset": [np.ones_like(x) for x in w], "level by direction": [abs(x) for x in level],
-        "viscous by direction": [abs(x) for x in w], "spring": d, "level by position": grown(d),
+        "uneven slope": [abs(x) for x in w], "spring": d, "level by position": grown(d),
         "level by time": grown(motion.each("t")),
     }  # fmt: skip
     if scenario.system.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
@@ -241,7 +248,7 @@ def _terms(
 # -- fixed numbers, sensors, inputs ----------------------------------------------------------------------------------------
 
 
-def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
+def _fixed(problem: MachineProblem, u: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
     """The machine's fixed numbers that are equal in all recordings. A unit is a factor of e."""
     sought, fixed = paths(problem.sought), dict[str, float]()
     for path in problem.runs[0].scenario.places:
@@ -267,12 +274,12 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     there = np.append(u, [c.inner(fixed[c.name]) for c in added])
     J = whole.slopes(there[None], by=range(len(u), len(there)))[1][0]
     for c, slopes in zip(added, J.T, strict=True):
-        x = fixed[c.name]
-        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, UNNOTICED, _of_number(c.name, x), c.name)
+        x, label = fixed[c.name], words.get(c.name, c.name)
+        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, UNNOTICED, _of_number(label, x), label)
 
 
-def _of_number(path: str, now: float) -> Callable[[float], str]:
-    return lambda x: f"{path} = {now * float(np.exp(np.clip(x, -3, 3))):.4g} in place of {now:.4g}"
+def _of_number(label: str, now: float) -> Callable[[float], str]:
+    return lambda x: f"{label} = {now * float(np.exp(np.clip(x, -3, 3))):.4g} in place of {now:.4g}"
 
 
 def errors_of_sensor(t: Array, x: Array) -> dict[str, Array]:
