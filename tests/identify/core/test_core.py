@@ -7,7 +7,7 @@ from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.forms import in_words
+from stribeck.identify.models.forms import in_words, sliding
 from stribeck.identify.models.over_position import ripple_waves
 from stribeck.identify.models.predictor import of_json, predictor
 from stribeck.identify.models.record import record_of, rows_of, shortened
@@ -231,6 +231,13 @@ def test_creep_within_the_presliding_of_a_dwell_is_no_sliding():
     log = Log(t, y, v, a, 2.0 * a + 2.5e5 * z + 5.0 * v + noise, np.zeros(len(t), np.int32), step=2e-3)
     fitted = judged(choice_of(log, laws=("coulomb_viscous",)))
     assert [fitted[n].value for n in ("F_c", "mass", "level slow")] == pytest.approx([10.0, 2.0, 10.0], rel=0.02)
+
+
+def test_within_a_smooth_sign_a_speed_is_seen_in_part():
+    """The slow level of a LuGre axis, 9.0 [7.8, 10.3] N for 11.8 N, was that of a sign that a filter had made smooth."""
+    log, curve = record(1), SteadyCurve("stribeck_tanh", {"k_v": 20.0}, ())
+    at = library(record_of(rows_of(log), ("offset",), {}), curve).at
+    assert sliding(log, at, ()) == pytest.approx(abs(np.tanh(20 * log.velocity)))
 
 
 def test_a_form_is_named_in_words():

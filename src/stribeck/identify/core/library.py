@@ -28,12 +28,10 @@ def seen_speeds(speeds: Array, counts: Array | None = None) -> tuple[float, floa
     Args:
         counts: the weight of each speed; all alike unless given.
     """
-    if counts is None or np.ptp(counts) == 0:
-        slow, fast = np.quantile(speeds, SEEN).tolist()
-    else:
-        order = np.argsort(speeds)
-        below = np.cumsum(counts[order]) - counts[order] / 2
-        slow, fast = np.interp(SEEN, below / counts.sum(), speeds[order]).tolist()
+    order = np.argsort(speeds)
+    counts = np.ones(len(speeds)) if counts is None else counts[order]
+    below = np.cumsum(counts) - counts
+    slow, fast = np.interp(SEEN, below / below[-1], speeds[order]).tolist()
     return slow, float(np.sqrt(slow * fast)), 0.5 * fast, fast
 
 

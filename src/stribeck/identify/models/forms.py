@@ -370,7 +370,8 @@ def sliding(log: Log, at: Anchor, names: Sequence[str]) -> Array:
 
     Within a play a speed shows what follows the reversal, and nothing of the friction at this speed.
     """
-    m, part = Motion(log, at), np.ones(len(log))
+    m = Motion(log, at)
+    part = abs(m.sign)
     for of, number in map(effect, names):
         if of.slides:
             part = part * of.slides(m, number)
