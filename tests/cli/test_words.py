@@ -17,12 +17,3 @@ def test_no_library_module_speaks_of_options():
         if reported.search(line)
     ]
     assert wrong == []
-
-
-def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck, tmp_path):
-    source = "from stribeck.laws import Claims\nfrom stribeck.laws.lugre import LuGre\n"
-    source += "class Own(LuGre):\n    claims = Claims()\n"
-    (tmp_path / "own.py").write_text(source)
-    process = stribeck("library", f"{tmp_path}/own.py:Own")
-    assert "claims: none stated" in process.out
-    assert "no internal state" in stribeck("library", "stribeck").out

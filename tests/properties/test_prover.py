@@ -89,6 +89,7 @@ def test_a_lower_bound_is_found_by_bisection():
         (2 - (1 - 2 * U) ** 0.3, False),  # the power is at most 1, but has no value for U > 1/2
         ((U - 1) * (U - 1) ** (-W / W), False),  # 1, but for U = 1
         (2 + sin(sqrt(U - 1)), False),
+        (2 + exp(-sqrt(U - 1)), False),
         (-sign(W - 1), False),
         (sign(W - 1), False),
         (1e-300 - where(either(U < 1e-200, W > 1e250), 1.0, 0.0), False),
