@@ -46,7 +46,7 @@ class Wide(HTMLParser):
 
 @pytest.mark.thorough
 def test_what_is_wide_scrolls_by_itself(page):
-    assert ".scroll { overflow-x: auto; }" in STYLE
+    assert ".scroll, nav ol { overflow-x: auto;" in STYLE
     assert '<meta name="viewport" content="width=device-width' in page
     wide = Wide()
     wide.feed(page)

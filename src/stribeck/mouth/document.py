@@ -128,7 +128,7 @@ class Document:
         lead: the answer, in one sentence; the terminal prints it behind the title.
         facts: sentences below it.
         chapters: in the order of reading.
-        next: the command that comes next, and what for.
+        next: the command that comes next, and what for; on a terminal.
     """
 
     title: str

@@ -63,7 +63,7 @@ def write(
         pictured += shown if pictures else []
     introduction = [_sentence(text) for text in (document.lead, *document.facts)]
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
-    text = html(document.title, about, introduction, chapters, command, document.next)
+    text = html(document.title, about, introduction, chapters, command)
     paths = [*(folder / f"{figure.name}.svg" for figure in pictured), folder / name]
     try:
         for path, content in zip(paths, (*(figure.svg for figure in pictured), text), strict=True):
@@ -99,19 +99,11 @@ def _template() -> tuple[jinja2.Template, str]:
     return environment.from_string(text), script
 
 
-def html(
-    title: str,
-    about: str,
-    introduction: Sequence[str],
-    chapters: Sequence[Chapter],
-    command: str = "",
-    following: tuple[str, str] | None = None,
-) -> str:
+def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter], command: str = "") -> str:
     """The page: nothing in it is fetched from elsewhere.
 
     Args:
         command: what a button copies.
-        following: the command that comes next, and what for.
     """
     template, script = _template()
     return template.render(
@@ -120,7 +112,6 @@ def html(
         introduction=introduction,
         chapters=chapters,
         command=command,
-        next=following,
         script=script,
         texts=lambda table: texts(table, "page"),
     )
