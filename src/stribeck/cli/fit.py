@@ -294,11 +294,22 @@ def _show(result: Fit, data: list[Path], written: list[str], *, out: Path | None
         summary["data"] = {"files": [str(p) for p in data], **about}
 
     def document() -> Document:
-        following = None
-        if written and isinstance(result, LogFit):
-            following = f"stribeck predict other.csv --fit {shlex.quote(str(out))}", ""
-        elif any(name.endswith("machine.toml") for name in written):
-            following = f"stribeck run {shlex.quote(str(out))}/machine.toml --out run", ""
-        return replace(result.document(), next=following)
+        return replace(result.document(), next=None if out is None or not written else _next(result, out))
 
     tell(document, {**summary, "files": written} if json else None, None if json else written, verbose)
+
+
+def _next(result: Fit, out: Path) -> tuple[str, str] | None:
+    """The command that comes next, and what for; None if the fit of a machine is no machine."""
+    from stribeck.identify.result import MachineFit
+    from stribeck.identify.saved import MACHINE_FILE
+
+    if not isinstance(result, MachineFit):
+        return f"stribeck predict other.csv --fit {shlex.quote(str(out))}", "test the fit with another recording"
+    if result.status != "done":
+        return None
+    machine = shlex.quote(str(out / MACHINE_FILE))
+    if not (contacts := [*result.machine.elements.contacts]):
+        return f"stribeck run {machine} --out run", "simulate the fitted machine"
+    export = f"stribeck export {machine} --contact {shlex.quote(contacts[0])} --target mujoco --out mujoco"
+    return export, "the friction for MuJoCo"

@@ -76,11 +76,9 @@ class Predicted(Told):
         inside, within = self.force_error, ""
         if self.beyond and self.beyond.rows and self.beyond.within is not None:
             inside, within = self.beyond.within, " within the fitted range"
-        if self.model.expected and inside > self.model.expected:
-            usual = percent(self.model.expected)
-            notes.append(
-                f"The residual{within} is {percent(inside)}; {usual} is expected of another motion of this machine."
-            )
+        here, usual = percent(inside), percent(self.model.expected)
+        if inside > (self.model.expected or np.inf) and here != usual:
+            notes.append(f"The residual{within} is {here}; {usual} is expected of another motion of this machine.")
         if (self.model.missed or 0.0) > EXPLAINED:
             notes.append(
                 "The fit's own residual exceeds a quarter of its force's deviation: its model does not describe the data."
