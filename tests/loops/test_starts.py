@@ -12,7 +12,7 @@ from stribeck.loops.judge import Judgment, judge, rest_bands
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
 from stribeck.loops.said import starts_sentence
-from stribeck.loops.shaken import SHARE, swings
+from stribeck.loops.shaken import SHARE, frequency_for, swings
 from stribeck.loops.starts import Start, _travel_ratios, distinct_judgments, from_starts
 from tests.loops.axis import axis
 from tests.machine.machines import law
@@ -85,6 +85,13 @@ def test_a_dither_stops_what_hunts():
     free = 12.0 / (2.0 * (2 * np.pi * 100) ** 2)  # of the mass alone
     assert 0.3 * free < shaken.amplitude < 1.2 * free
     assert swings(loop, {}, 1)[0]["a"] == pytest.approx(2 * SHARE * free, rel=0.02)
+
+
+def test_a_dither_swings_the_mass_by_a_hundredth_of_the_most_that_it_could():
+    loop = hunter(K_i=60000.0)
+    s = 2j * np.pi * np.append(np.geomspace(0.1, 100, 4001), frequency_for(loop.scenario, "hold", loop.slowest))
+    swing = abs(s / (2.0 * s**3 + (100.0 + 20.0) * s**2 + 2000.0 * s + 60000.0))
+    assert 0.009 < swing[-1] / swing.max() < 0.0101
 
 
 def test_errors_after_reversals_are_those_of_each_lane_that_is_simulated():
