@@ -14,8 +14,6 @@ from stribeck.mouth.plots import plain
 from stribeck.simulation import backend
 from tests.shared import needs_links
 
-VELOCITY = 'drive={kind="velocity",signal={kind="sine",amplitude=0.1,frequency=1e15}}'
-
 
 def refused(outcome, *parts):
     assert outcome.status == 2, outcome.err
@@ -33,22 +31,6 @@ def test_a_smooth_sign_as_steep_as_numbers_go(stribeck, scenario, choice, k_v):
     document = json.loads(stribeck("run", scenario, *words, "--set", "solve.t_end=2.0", "--json").out)
     other = json.loads(stribeck("run", scenario, "--set", "law.name=lugre", "--set", "solve.t_end=2.0", "--json").out)
     assert document["final"]["z"] == pytest.approx(other["final"]["z"], rel=1e-6)
-
-
-def test_waves_that_no_step_can_follow(stribeck, scenario):
-    """What was reached is kept; the events are not looked for in what was not."""
-    words = ("--set", VELOCITY, "--set", "solve.max_steps=1000", "--json")
-    scenario.write_text(
-        scenario.read_text().replace("[drive]", "[unused]").replace("[drive.signal]", "[unused.signal]")
-    )
-    text = scenario.read_text()
-    head, _, rest = text.partition("[unused]")
-    scenario.write_text(head + "[solve]" + rest.partition("[solve]")[2])
-    outcome = stribeck("run", scenario, *words)
-    assert outcome.status == 1
-    assert "gave up" in json.loads(outcome.out)["reason"]
-    assert "solve.max_steps: 1000: a signal's waves allow no step longer than 1.25e-16 s" in outcome.err
-    assert "given up before t = 1.25e-13 s" in outcome.err
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
