@@ -143,8 +143,6 @@ def _turns(signal: Signal, table: Pieces, t_end: float) -> Array:
         times = []
         for begin, end, row in zip(table.start, [*table.start[1:], t_end], table.rows, strict=True):
             slope = np.polynomial.Polynomial(row[1:]).deriv()
-            if not row[2:].any() or end <= begin:
-                continue
             roots = slope.roots()
             real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * (1 + np.abs(roots))]) + row[0]
             size = max(abs(slope(x)) for x in np.linspace(0, end - begin, 9)) if np.isfinite(end) else 1.0
