@@ -295,11 +295,9 @@ def write_summary(
         paths: the files of the result in ``place``.
         place: the temporary folder of :func:`together`.
         folder: the folder of the result.
-        summary: the data; its ``files`` come first in the list.
+        summary: the data.
         more: data after the list of files.
     """
     files = [str(folder / path.name) for path in (*paths, place / "summary.json")]
-    earlier = summary.get("files", [])
-    assert isinstance(earlier, list)
-    write_json(place / "summary.json", {**summary, "files": [*earlier, *files], **(more or {})})
+    write_json(place / "summary.json", {**summary, "files": files, **(more or {})})
     return files

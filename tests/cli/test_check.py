@@ -20,7 +20,7 @@ def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
     assert list(verdicts) == list(NAMES)
     assert [v["holds"] for v in verdicts.values()] == [True, True, True, False, False]
     assert all(v["verified"] for v in verdicts.values())
-    assert sorted(data["files"]) == [str(tmp_path / f"{n}.toml") for n in ("drift_free", "passive")]
+    assert [Path(f).name for f in data["files"] if f.endswith(".toml")] == ["passive.toml", "drift_free.toml"]
     passive, drift = (
         json.loads(stribeck("run", tmp_path / f"{n}.toml", "--json").out) for n in ("passive", "drift_free")
     )

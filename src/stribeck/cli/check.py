@@ -155,34 +155,23 @@ def _decide(
             verdicts.verify()
             if unverified := verdicts.unverified:
                 note(f"--verify: {', '.join(unverified)}: not verified: there is no certificate, and no run to repeat")
-        files, pages = _write(verdicts, out=out, certificate=certificate)
-    written = {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
-    tell(
-        verdicts.document,
-        {**verdicts.to_dict(), **asked.json_extras, **written} if json else None,
-        None if json else [*(files or ()), *(pages or ())[-1:]],
-    )
+        files = _write(verdicts, out=out, certificate=certificate)
+    tell(verdicts.document, {**verdicts.to_dict(), **asked.json_extras} if json else None, files)
 
 
-def _write(
-    verdicts: Verdicts | MachineVerdicts, *, out: Path | None, certificate: Path | None
-) -> tuple[list[str] | None, list[str] | None]:
-    """Write the counterexamples, the page, and the proofs if there are any; the paths of the results, and of the page."""
+def _write(verdicts: Verdicts | MachineVerdicts, *, out: Path | None, certificate: Path | None) -> list[str]:
+    """Write the counterexamples, the page, and the proofs if there are any; the paths."""
     from stribeck.files import write_text
+    from stribeck.properties.written import write_check
 
-    files: list[str] | None = None
-    pages: list[str] | None = None
-    if out is not None:
-        from stribeck.properties.written import write_check
-
-        files, pages = write_check(verdicts, out, command_line())
+    files = [] if out is None else write_check(verdicts, out, command_line())
     if certificate is not None:
         if verdicts.proved:
             write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
-            files = [*(files or ()), str(certificate)]
+            files.append(str(certificate))
         else:
             note(f"--certificate: nothing was proved with a certificate: '{certificate}' is not written")
-    return files, pages
+    return files
 
 
 def _machine(file: Path, *, assignments: list[str], forces: dict[str, float], trust: bool) -> _Asked:

@@ -64,9 +64,7 @@ def design(
             )  # fmt: skip
         summary = result.to_dict()
         files = [] if out is None else write_design(result, summary, out, command_line())
-    if files:
-        summary["files"] = files
-    tell(lambda: _document(result, source.scenario, out=out), summary if json else None, None if json else files)
+    tell(lambda: _document(result, source.scenario, out=out), summary if json else None, files)
     if result.failed is not None:
         failed(loaded.name, result.failed)
         return 1

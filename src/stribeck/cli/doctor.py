@@ -62,7 +62,7 @@ class Installation:
 def _command(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     result = doctor()
-    tell(result.document, result.to_dict() if json else None, None)
+    tell(result.document, result.to_dict() if json else None)
     return 0 if result.passed else 1
 
 

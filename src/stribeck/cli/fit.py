@@ -296,7 +296,7 @@ def _show(result: Fit, data: list[Path], written: list[str], *, out: Path | None
     def document() -> Document:
         return replace(result.document(), next=None if out is None or not written else _next(result, out))
 
-    tell(document, {**summary, "files": written} if json else None, None if json else written, verbose)
+    tell(document, summary if json else None, written, verbose)
 
 
 def _next(result: Fit, out: Path) -> tuple[str, str] | None:

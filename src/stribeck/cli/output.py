@@ -79,16 +79,18 @@ def print_json(data: object) -> None:
 
 
 def tell(
-    document: Callable[[], Document], data: Mapping[str, object] | None, files: Sequence[str] | None = (),
+    document: Callable[[], Document],
+    data: Mapping[str, object] | None,
+    files: Sequence[str] = (),
     verbose: bool = False,
-) -> None:  # fmt: skip
-    """Print ``data`` and the files as JSON where it is given, else the document and the files; None: without them."""
+) -> None:
+    """Print ``data`` and the files that were written as JSON if ``data`` is given, else the document and the files."""
     if data is not None:
-        print_json(data if files is None else {**data, "files": files})
+        print_json({**data, "files": files})
         return
     from stribeck.mouth import terminal
 
-    terminal.tell(document(), files or (), verbose)
+    terminal.tell(document(), files, verbose)
 
 
 def command_line() -> str:

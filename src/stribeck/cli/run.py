@@ -58,16 +58,13 @@ def run(
 def _simulate(scenario: Scenario, *, out: Path | None, json: bool) -> int:
     """Simulate, write the files asked for, print the summary."""
     from stribeck.simulation import simulate
-    from stribeck.simulation.tables import RUN
+    from stribeck.simulation.tables import RUN, write_run
 
     with output_folder(out, writes=RUN):
         with progress(scenario.name) as share:
             solution = simulate(scenario, progress=share)
-        summary, files = solution.summary(), list[str]()
-        if out is not None:
-            from stribeck.simulation.tables import write_run
-
-            files += write_run(solution, out, {**summary, "files": files}, command_line())
+        summary = solution.summary()
+        files = [] if out is None else write_run(solution, out, summary, command_line())
     tell(solution.document, summary if json else None, files)
     if solution.status != "done":
         failed(scenario.name, solution.reason)
@@ -80,16 +77,13 @@ def _simulate(scenario: Scenario, *, out: Path | None, json: bool) -> int:
 def _compare(variants: dict[str, Scenario], name: str, *, out: Path | None, json: bool) -> int:
     """Simulate under each law, print the deviations from the first, write an overlay."""
     from stribeck.simulation.comparison import compare_laws
-    from stribeck.simulation.tables import COMPARISON
+    from stribeck.simulation.tables import COMPARISON, write_comparison
 
     with output_folder(out, writes=COMPARISON):
         with progress(name) as share:
             comparison = compare_laws(variants, share)
-        summary, files = comparison.summary(), list[str]()
-        if out is not None:
-            from stribeck.simulation.tables import write_comparison
-
-            files = write_comparison(comparison, out, summary, command_line())
+        summary = comparison.summary()
+        files = [] if out is None else write_comparison(comparison, out, summary, command_line())
     tell(comparison.document, summary if json else None, files)
     for label, solution in comparison.solutions.items():
         if solution.status != "done":

@@ -17,24 +17,16 @@ if TYPE_CHECKING:
 _OLDER = {"*.toml": r"# \S+ is not \w+: ", "*not_*.svg": ""}
 
 
-def write_check(
-    verdicts: Verdicts | MachineVerdicts, folder: Path, command: str = ""
-) -> tuple[list[str], list[str] | None]:
-    """Write all files, the page last.
-
-    Returns:
-        The paths of the counterexamples, and those of the pictures and the page (last), or None without them.
-    """
-    pages: list[Path] | None = None
+def write_check(verdicts: Verdicts | MachineVerdicts, folder: Path, command: str = "") -> list[str]:
+    """Write the counterexamples, the pictures and, last, the page; returns the paths."""
     with together(folder, last="report.html", older=_OLDER) as place:
         if isinstance(verdicts, Verdicts):
             files = _scenarios(verdicts, place)
         else:
             files = [path for name, v in verdicts.contacts.items() for path in _scenarios(v, place, f"{name}_")]
         with left_out("the page"):
-            pages = page.write(verdicts.document(), place, command)
-    in_pages = None if pages is None else [str(folder / each.name) for each in pages]
-    return [str(folder / file.name) for file in files], in_pages
+            files += page.write(verdicts.document(), place, command)
+    return [str(folder / file.name) for file in files]
 
 
 def _scenarios(verdicts: Verdicts, place: Path, prefix: str = "") -> list[Path]:
