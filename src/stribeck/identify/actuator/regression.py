@@ -19,7 +19,7 @@ from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
-from stribeck.identify.core.states import Estimate, EstimateState, one_sided
+from stribeck.identify.core.states import Estimate, EstimateState, given, one_sided
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCK_ROWS, BLOCKS
 from stribeck.laws.base import Law
@@ -35,8 +35,8 @@ WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 @dataclass(frozen=True)
 class Levels:
-    """Friction at recorded ``speeds``, by name; ``slow``, ``strokes``: by contact, the slowest recorded speed, and the
-    longest way within a run in distances F_s/sigma_0.
+    """Friction at recorded ``speeds``, by name; ``slow``, ``strokes``, ``viscous``: by contact, the slowest recorded speed, the
+    longest way within a run in distances F_s/sigma_0, and sigma_2.
 
     ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form; ``static``: by that column, the
     F_s to which a form adds, and how much.
@@ -45,6 +45,7 @@ class Levels:
     speeds: dict[str, float]
     slow: dict[str, float]
     strokes: dict[str, float]
+    viscous: dict[str, float]
     values: Array
     slopes: Array
     of_forms: dict[int, Array]
@@ -133,7 +134,7 @@ class MachineLibrary(ModelLibrary):
         highest = {c.name: c.high for c in self.sought}
         for contact, slowest in self.friction.slow.items():
             law = f"contacts.{contact}.law.parameters."
-            level, static, speed = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s"))
+            level, static, speed, viscous = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s", "sigma_2"))
             F_s, v_s = estimates.get(static), estimates.get(speed)
             if v_s is None or v_s.identifiable:
                 continue
@@ -146,7 +147,13 @@ class MachineLibrary(ModelLibrary):
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
                 estimates[static] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE, why=_ONE_LEVEL)
                 continue
-            levels = [estimates[n] for n in (f"{contact} {LEVELS[0]}", level) if n in estimates]
+            at_slowest, of_speed = (
+                f"{contact} {LEVELS[0]}",
+                estimates.get(viscous, given(self.friction.viscous[contact])),
+            )
+            levels = [estimates[level]] if level in estimates else []
+            if at_slowest in estimates:
+                levels.append(estimates[at_slowest].less(of_speed, self.friction.speeds[at_slowest]))
             estimates[static], estimates[speed] = one_sided(F_s, v_s, levels)
         return estimates
 
@@ -242,7 +249,7 @@ def _levels(
     ``scale``: of the derivatives, see :func:`_linear`.
     """
     speeds, spans = dict[str, float](), dict[str, slice]()
-    slow, strokes = dict[str, float](), dict[str, float]()
+    slow, strokes, viscous = dict[str, float](), dict[str, float](), dict[str, float]()
     fitted = problem.numbers(problem.repaired(u[None])[0])
     for contact in problem.runs[0].scenario.data.get("contacts", {}):
         law = f"contacts.{contact}.law"
@@ -253,7 +260,7 @@ def _levels(
         slow[contact] = float(np.quantile(w, SEEN[0]))
         ways = (cumulative_trapezoid(run[f"{contact}.w"], run["t"]) for run in motion.runs)
         p = _law(problem, contact, fitted).p
-        longest = max(float(np.ptp(way)) for way in ways)
+        longest, viscous[contact] = max(float(np.ptp(way)) for way in ways), p.numbers.get("sigma_2", 0.0)
         level = max(p.F_c, p.numbers.get("F_s", 0.0), 1e-300) if "F_c" in p.numbers else 0.0
         strokes[contact] = longest * p.sigma_0 / level if level and "sigma_0" in p.numbers else np.inf
         spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
@@ -278,7 +285,7 @@ def _levels(
             if c := F_s.get(path := f"contacts.{form.contact}.law.parameters.F_s"):
                 level = np.array([fitted[path]])
                 static[place] = c.name, float(form.at(level, np.zeros(1))[0] / unit[place])
-    return Levels(speeds, slow, strokes, base, slopes, of_forms, static)
+    return Levels(speeds, slow, strokes, viscous, base, slopes, of_forms, static)
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:

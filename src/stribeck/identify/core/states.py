@@ -81,6 +81,12 @@ class Estimate:
         state = EstimateState.NOT_IDENTIFIABLE
         return replace(self, value=value, interval=(low, high), range=(low, high), state=state, why=why)
 
+    def less(self, other: Estimate, times: float) -> Estimate:
+        """This less a multiple of another estimate. Their errors add up."""
+        both = (self.interval, other.interval), (self.range or self.interval, other.range or other.interval)
+        interval, wide = ((low - times * b, high - times * a) for (low, high), (a, b) in both)
+        return replace(self, value=self.value - times * other.value, interval=interval, range=wide)
+
     def to_dict(self) -> dict[str, object]:
         """Plain data of the file format: the ends of the interval, the range and the state; reasons if there are any."""
         reasons = {key: x for key in ("depends_on", "why", "experiment") if (x := getattr(self, key))}
@@ -111,6 +117,11 @@ class Estimate:
             why=why,
             experiment=experiment,
         )
+
+
+def given(value: float) -> Estimate:
+    """A number that is known."""
+    return Estimate(value, (value, value), (value, value), EstimateState.IDENTIFIED)
 
 
 def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
@@ -148,7 +159,9 @@ def state_of(
 
 
 def one_sided(F_s: Estimate, v_s: Estimate, levels: Sequence[Estimate]) -> tuple[Estimate, Estimate]:
-    """F_s and v_s as bounds: F_s is at least the larger of some friction levels, v_s at most what its interval allows."""
+    """F_s and v_s as bounds: F_s is at least the larger of some friction levels without what is viscous, v_s at most what its
+    interval allows.
+    """
     value, wide = max(e.value for e in levels), [e.range or e.interval for e in levels]
     interval = max(e.interval[0] for e in levels), np.inf
     at_least = replace(

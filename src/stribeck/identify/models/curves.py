@@ -116,7 +116,7 @@ class SteadyCurve:
         return {n: max(x, ANCHORED * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
 
     def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
-        """Estimates as they are reported; ``slow``: the level at the slowest speed seen.
+        """Estimates as they are reported; ``slow``: the level at the slowest speed seen, without what is viscous.
 
         If no speed was seen that is slow beside v_s, F_s is at least the level there and F_c, v_s at most what it may be.
         """
