@@ -199,13 +199,14 @@ def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():
 
 
 def test_presliding_is_fitted_by_a_law_with_bristles():
-    """The log that the plan of a rig asks for, made by the plan's own simulation."""
-    log = rig.measured([*rig.LOOPS, *rig.STROKES])
+    """The log that the plan of a rig asks for, made by the plan's own simulation; a spring is found by the static fit."""
+    log = rig.measured([*rig.LOOPS, *rig.STROKES], stiffness=500.0)
     assert bristles.shows_presliding(log)
     assert not bristles.shows_presliding(record(7))
     fit = stribeck.fit(log, mass=0.0)
     assert fit.law_name == "lugre"
     assert fit["sigma_0"].value == pytest.approx(rig.TRUTH["sigma_0"], rel=0.05)
+    assert fit["stiffness"].value == pytest.approx(500.0, rel=0.02)
     assert {"lugre", "stribeck", "coulomb_viscous"} <= {c["law"] for c in fit.candidates}
     assert [c["law"] for c in fit.candidates if c["chosen"]] == ["lugre"]
 

@@ -14,7 +14,9 @@ from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.filtering import roughness
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
+from stribeck.identify.models.forms import effect
 from stribeck.identify.models.record import shortened
+from stribeck.identify.models.terms import TERMS
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit
@@ -32,6 +34,13 @@ LOOKED_AT = 20_000  # most reversals: more take longer than the fit
 def asked_for(log: Log, static: LogFit) -> bool:
     """Whether a bristle law could be chosen: the log shows presliding, and less noise than the error at which one wins."""
     return _noise_everywhere(log) < HALF * _error_everywhere(static, log) and shows_presliding(log)
+
+
+def beside(static: LogFit, options: FitOptions) -> tuple[str, ...]:
+    """The terms of a bristle law: those beside friction that the static fit has, as a term or as a form."""
+    of_forms = (term for form in static.forms or () for term in effect(form)[0].terms)
+    usual = {"mass", "offset", *options.numbers}
+    return tuple(dict.fromkeys(n for n in (*static.body, *of_forms) if n not in usual and not TERMS[n].level))
 
 
 def better(

@@ -132,6 +132,7 @@ class Effect:
         level: whether it belongs to steady friction.
         beside: whether it is no friction; ``of_record``: whether it is not used for another record.
         slides: the part of the friction that has the direction of the motion.
+        terms: the terms of a fit that describe the same.
         law_at: where it is 0, so that the friction is the law's; {}: the mean position.
     """
 
@@ -145,6 +146,7 @@ class Effect:
     beside: bool = False
     of_record: bool = False
     slides: OfMotion | None = None
+    terms: tuple[str, ...] = ()
     law_at: str = ""
 
 
@@ -274,9 +276,12 @@ EFFECTS: dict[str, Effect] = {  # by name; {}: its number
         _one(lambda m, _: m.sign * abs(m.inertial + m.carried)), level=True, law_at="inertial force and weight 0",
     ),
     "weight": Effect(
-        "a weight", _waves(lambda m, _, wave: wave(m.log.position)), _if(lambda m: m.at.placed), beside=True
+        "a weight", _waves(lambda m, _, wave: wave(m.log.position)), _if(lambda m: m.at.placed), beside=True,
+        terms=("gravity_sin", "gravity_cos"),
     ),
-    "spring": Effect("a spring", _one(lambda m, _: m.log.position), _if(lambda m: m.at.placed), beside=True),
+    "spring": Effect(
+        "a spring", _one(lambda m, _: m.log.position), _if(lambda m: m.at.placed), beside=True, terms=("stiffness",)
+    ),
     "level by position": Effect(
         "a friction level that changes with position", _one(lambda m, _: m.sign * (m.log.position - m.at.middle)),
         _if(lambda m: m.at.placed), level=True, law_at="position {:.4g} {}",
