@@ -87,7 +87,7 @@ def test_a_single_wild_sample(place, stribeck, role, rest, size):
     logs(place, ["run.csv"], WANTED)
     done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--out", "out")
     assert (done.status, done.out) == (2, "")
-    assert f"log.0.{role}: '{column}': 1 isolated outliers of up to {abs(size):.3g}" in done.err
+    assert f"log.0.{role}: '{column}': isolated outliers: 1, up to {abs(size):.3g}" in done.err
     assert not (place / "out").exists()
 
 

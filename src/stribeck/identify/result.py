@@ -308,7 +308,7 @@ class LogFit(Fit):
             "law": self.law_name, "method": self.method, "status": self.status,
             "parameters": {n: e.to_dict() for n, e in self.of_law.items()},
             "body": {n: e.to_dict() for n, e in self.body.items()},
-            "levels": {n: e.to_dict() for n, e in self.levels.items()},
+            "levels": {n: e.to_dict() | {"speed": self.speeds[n]} for n, e in self.levels.items()},
             "fixed": {n: self.values[n] for n in self.given},
             "relative_force_error": self.relative_force_error, "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified), "candidates": [dict(c) for c in self.candidates],

@@ -289,7 +289,7 @@ def test_single_forces_beyond_all_others_are_put_right_and_told():
     force[hit] += (1e6, -1e6, 50 * np.std(F))
     log = load_log([{"t": T, "x": X, "i": force}], ColumnNames(NAMES))
     assert abs(log.force).max() < 2 * abs(F).max()
-    assert any("force: 3 isolated outliers" in note for note in log.quality)
+    assert any("force: isolated outliers: 3" in note for note in log.quality)
 
 
 def _glitchy():
@@ -307,7 +307,7 @@ def test_single_positions_that_no_body_takes_are_replaced():
     wild[rows] += [1e-3, 2e-4, -5e-4, 6e-5, -1e-2]
     result = clean({"time": t, "position": wild, "force": np.sin(t)}, "log.csv")
     assert np.max(abs(result.columns["position"] - x)) < 6e-6
-    assert any("5 isolated outliers of up to 0.01" in note for note in result.notes)
+    assert any("isolated outliers: 5, up to 0.01" in note for note in result.notes)
     assert np.array_equal(np.delete(result.columns["position"], rows), np.delete(x, rows))
 
 

@@ -92,7 +92,7 @@ def clean(columns: dict[str, Array], file: str) -> Clean:
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
-            f"{file}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
+            f"{file}: gaps in time: {count}, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
             "the log was split there, and no filter crosses a gap"
         )
     runs = _pieces(columns, new_run | gaps, file, notes)
@@ -179,7 +179,7 @@ def _replace_outliers(columns: dict[str, Array], runs: list[slice], file: str, n
             columns[role] = columns[role] - off
             first = columns["time"][np.flatnonzero(off)[0]]
             notes.append(
-                f"{file}: {role}: {count} isolated outliers of up to {np.max(abs(off)):.3g} (first at {first:.6g} s) "
+                f"{file}: {role}: isolated outliers: {count}, up to {np.max(abs(off)):.3g} (first at {first:.6g} s) "
                 "were replaced by cubic interpolation"
             )
 
@@ -307,7 +307,7 @@ def isolated_outliers(x: Array) -> str | None:
     alone = np.flatnonzero(far & ~np.append(False, far[:-1]) & ~np.append(far[1:], False))
     if not len(alone):
         return None
-    text = f"{len(alone)} isolated outliers of up to {size[alone].max():.3g} (other samples reach {usual:.3g})"
+    text = f"isolated outliers: {len(alone)}, up to {size[alone].max():.3g} (other samples reach {usual:.3g})"
     return f"{text}: correct them or leave their cells empty"
 
 

@@ -25,7 +25,7 @@ _WORDS = {
     "F_s": "constant speeds in both directions from {slowest} to {middle}, evenly spaced in the logarithm; or force "
     "ramps from rest at {gentle} or slower",
     "v_s": "constant speeds in both directions from {slowest} to {fast}, at least ten, evenly spaced in the logarithm",
-    "k_v": "constant speeds in both directions from {slowest} to {middle}, evenly spaced in the logarithm",
+    "k_v": "",  # of a model, not of the machine
     "mass": "accelerations at which mass * acceleration exceeds half the friction level ({half}), in both directions",
     "stiffness": "slow strokes over the whole travel, in both directions",
     "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
