@@ -15,7 +15,7 @@ from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.reading import Data, RecordReading, files_of, read_log
 from stribeck.identify.log import Log
-from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, beside, better
+from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, beside_friction, better
 from stribeck.identify.methods.static import check_motion, fit_static
 from stribeck.identify.models.curves import LAWS
 from stribeck.identify.options import FitOptions
@@ -142,7 +142,7 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
     parts = 2 if static and (simulated or not names) else 1
     best = fit_static(log, static, options, part(progress, 0, parts)) if static else None
     if best is not None and not names and options.method is None and asked_for(log, best):
-        simulated, options = [LAW], replace(options, starts=STARTS, term=beside(best, options))
+        simulated, options = [LAW], replace(options, starts=STARTS, term=beside_friction(best, options))
     if best is not None and not simulated:
         return best
     check_motion(log)

@@ -19,7 +19,7 @@ from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
-from stribeck.identify.core.states import Estimate, EstimateState, given, one_sided
+from stribeck.identify.core.states import Estimate, EstimateState, known, one_sided
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCK_ROWS, BLOCKS
 from stribeck.laws.base import Law
@@ -149,7 +149,7 @@ class MachineLibrary(ModelLibrary):
                 continue
             at_slowest, of_speed = (
                 f"{contact} {LEVELS[0]}",
-                estimates.get(viscous, given(self.friction.viscous[contact])),
+                estimates.get(viscous, known(self.friction.viscous[contact])),
             )
             levels = [estimates[level]] if level in estimates else []
             if at_slowest in estimates:

@@ -119,7 +119,7 @@ class Estimate:
         )
 
 
-def given(value: float) -> Estimate:
+def known(value: float) -> Estimate:
     """A number that is known."""
     return Estimate(value, (value, value), (value, value), EstimateState.IDENTIFIED)
 

@@ -36,7 +36,7 @@ def asked_for(log: Log, static: LogFit) -> bool:
     return _noise_everywhere(log) < HALF * _error_everywhere(static, log) and shows_presliding(log)
 
 
-def beside(static: LogFit, options: FitOptions) -> tuple[str, ...]:
+def beside_friction(static: LogFit, options: FitOptions) -> tuple[str, ...]:
     """The terms of a bristle law: those beside friction that the static fit has, as a term or as a form."""
     of_forms = (term for form in static.forms or () for term in effect(form)[0].terms)
     usual = {"mass", "offset", *options.numbers}

@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, UNNOTICED, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
-from stribeck.identify.core.states import Estimate, EstimateState, given
+from stribeck.identify.core.states import Estimate, EstimateState, known
 from stribeck.identify.log import INTEGRAL
 from stribeck.identify.models.curves import SPEEDS, SteadyCurve
 from stribeck.identify.models.forms import SHOWN, WIDTHS, Anchor, Key, effect, fits, forms, sliding, steady
@@ -107,7 +107,7 @@ class SteadyLibrary(ModelLibrary):
                 estimates[n] = e = e.within(least, np.inf)
             if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
-        viscous, slowest = estimates.get("sigma_2", given(self.record.given.get("sigma_2", 0.0))), self.at.speeds[0]
+        viscous, slowest = estimates.get("sigma_2", known(self.record.given.get("sigma_2", 0.0))), self.at.speeds[0]
         return self.curve.judged(estimates, estimates[LEVELS[0]].less(viscous, slowest), slowest)
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
