@@ -18,14 +18,7 @@ if TYPE_CHECKING:
     from stribeck.machine.signal import SignalUse
 
 T = symbol("t")
-ORDER = (
-    "bodies",
-    "loads",
-    "links",
-    "controllers",
-    "motors",
-    "contacts",
-)  # each needs only what stands before it
+_ORDER = ("bodies", "loads", "links", "controllers", "motors", "contacts")  # each needs only what stands before it
 
 
 class Assembly:
@@ -48,9 +41,8 @@ class Assembly:
         self.lost: Value = ZERO
         self.stored: Value = ZERO
         self.far: Value = ZERO  # the energy that jumps with signals: of links' far ends, of what is added to bodies
-        for section in ORDER:
-            for element in getattr(system, section).values():
-                element.equations(self)
+        for element in system.in_order(_ORDER):
+            element.equations(self)
         self._bodies()
         self.rates |= {"E_in": self.power_in, "E_dissipated": self.lost}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from stribeck.expressions.ops import Value, smaller, sqrt
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.element import GROUND, SECTIONS, Element
 from stribeck.machine.signal import SignalUse
-from stribeck.machine.system import SIGNAL_ORDER, MachineSystem, interned
+from stribeck.machine.system import MachineSystem, interned
 from stribeck.machine.table import SYMBOLS, Carrier, ConstantLeaf, Frozen, Key
 from stribeck.waveforms import Signal
 from stribeck.waveforms.pieces import Pieces, merged, pieces
@@ -58,7 +58,11 @@ class Elements:
         return hash(tuple(getattr(self, f.name) for f in fields(self)))
 
     def __iter__(self) -> Iterator[Element]:
-        return (each for section in SECTIONS for each in getattr(self, section).values())
+        return self.in_order(SECTIONS)
+
+    def in_order(self, sections: Iterable[str]) -> Iterator[Element]:
+        """The elements of these sections, one section after the other."""
+        return (each for section in sections for each in getattr(self, section).values())
 
     # -- how it is wired ---------------------------------------------------------------------------------------------
 
@@ -118,12 +122,8 @@ class Elements:
     @cached_property
     def signals(self) -> dict[SignalUse, Signal]:
         """The signals of elements with numbers, and how the equations refer to them."""
-        structure = self.system.elements
-        pairs = (
-            (x, getattr(structure, section)[n]) for section in SIGNAL_ORDER for n, x in getattr(self, section).items()
-        )
-        return {use: signal.built for x, written in pairs
-                for use, signal in zip(written.signals(), x.followed(), strict=True)}  # fmt: skip
+        followed = (signal.built for each in self for signal in each.followed())
+        return dict(zip(self.system.signals, followed, strict=True))
 
     @cached_property
     def laws(self) -> dict[str, Law]:

@@ -19,7 +19,7 @@ from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.machine.assembly import Assembly
-from stribeck.machine.element import SECTIONS, Element
+from stribeck.machine.element import Element
 from stribeck.machine.equations import Sample, Watch, Watched
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import Key, joined
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
 _E_IN = Column("E_in", "J", "energy put in")
 _E_OUT = Column("E_dissipated", "J", "energy dissipated")
 E_STORED = Column("E_stored", "J", "kinetic energy, and energy of links, pendulums and bristles")
-_COLUMNS = ("bodies", "contacts", "links", "loads", "motors", "controllers")  # in this order
-SIGNAL_ORDER = ("bodies", "links", "loads", "motors", "contacts", "controllers")  # in this one
+_COLUMNS = ("bodies", "contacts", "links", "loads", "motors", "controllers")  # whose columns come first
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,7 @@ class MachineSystem:
     @cached_property
     def signals(self) -> tuple[SignalUse, ...]:
         """The reference to each signal in the equations."""
-        every = (each for section in SIGNAL_ORDER for each in getattr(self.elements, section).values())
-        return tuple(use for each in every for use in each.signals())
+        return tuple(use for each in self.elements for use in each.signals())
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -98,18 +96,17 @@ class MachineSystem:
     def states(self) -> tuple[Column, ...]:
         """The states in the order in which they are integrated."""
         e = self.elements
-        every = (each for section in _COLUMNS for each in getattr(e, section).values())
-        states = [Column(each.name_of(s.name), s.unit, s.meaning) for each in every for s in each.own_states(e)]
+        every = ((each, s) for each in e.in_order(_COLUMNS) for s in each.own_states(e))
+        states = [Column(each.name_of(s.name), s.unit, s.meaning) for each, s in every]
         return (*states, *((_E_IN, _E_OUT) if self.energy else ()))
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The columns of the output after t."""
         energy = (_E_IN, E_STORED, _E_OUT) if self.energy else ()
-        every = (each for section in _COLUMNS for each in getattr(self.elements, section).values())
         if listed := self.elements.listed:
             return (*(column for column, _ in listed), *energy)
-        columns = [column for each in every for column in each.columns(self.elements)]
+        columns = [column for each in self.elements.in_order(_COLUMNS) for column in each.columns(self.elements)]
         return (*columns, *energy)
 
     @property
@@ -165,8 +162,7 @@ class MachineSystem:
             servo = [x.heading(e) for x in e.controllers.values() if x.moves_valve]
             return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *servo)
         lines = [f"A machine of {len(e.bodies)} bod{'y' if len(e.bodies) == 1 else 'ies'}: {', '.join(e.bodies)}."]
-        lines += [text for section in SECTIONS for x in getattr(e, section).values() if (text := x.heading(e))]
-        return tuple(lines)
+        return (*lines, *(text for each in e if (text := each.heading(e))))
 
     # -- equations -------------------------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ lane). Its equations are ordinary methods, and do not care which.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
@@ -182,6 +182,12 @@ def unknown_key(key: str, value: object, known: list[str]) -> str:
     """The message about a key that a table does not have."""
     guess = nearest(key, known) or f" (known here: {', '.join(known)})"
     return f"{show(value)}: unknown key{guess}"
+
+
+def refuse(problems: Iterable[Problem]) -> None:
+    """Raise an InputError with a line for each problem, if there is one."""
+    if lines := [f"{path}: {text}" for path, text in problems]:
+        raise InputError(lines)
 
 
 def no_table(value: object) -> str:

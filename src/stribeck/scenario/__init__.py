@@ -18,7 +18,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
-from stribeck.machine.table import FileTable, Key, Problem
+from stribeck.machine.table import FileTable, Key, refuse
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
 from stribeck.scenario import tables
@@ -67,7 +67,7 @@ class Scenario:
             given.setdefault("rotary", True)
         objects = {name: x for name, x in given.items() if _holds_objects(x)}
         reader = Reader(plain_table(given), Path(folder or ""), _trusted(trust), objects)
-        _refuse(reader.read())
+        refuse(reader.read())
         self.__dict__.update(
             data=reader.data, folder=reader.folder, elements=reader.elements, called=reader.called, solve=reader.solve,
             output=reader.output,
@@ -133,7 +133,7 @@ class Scenario:
             others = {place: x for place, x in changes.items() if not unfolds(place)}
             bare = changed(data, others, folder)
             named_by_changes = {*named(bare).values()} - {*strange}
-            _refuse(Reader(bare, folder, None if trusted is None else {*trusted, *named_by_changes}).judge())
+            refuse(Reader(bare, folder, None if trusted is None else {*trusted, *named_by_changes}).judge())
         new = changed(data, changes, folder)
         named_by_changes = {*named(new).values()} - {*strange}
         return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *named_by_changes})
@@ -303,11 +303,6 @@ def _holds_objects(section: object) -> bool:
 def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:
     """Names of laws that may lie anywhere; None: all."""
     return (None if trust else ()) if isinstance(trust, bool) else trust
-
-
-def _refuse(problems: list[Problem]) -> None:
-    if problems:
-        raise InputError([f"{path}: {text}" for path, text in problems])
 
 
 load = Scenario.load

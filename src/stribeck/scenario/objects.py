@@ -21,7 +21,7 @@ from stribeck.constants import kind_of
 from stribeck.errors import InputError
 from stribeck.machine.element import SECTIONS, Element
 from stribeck.machine.reading import Draft
-from stribeck.machine.table import Reading
+from stribeck.machine.table import Reading, refuse
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed, plain_table
 
@@ -50,8 +50,7 @@ class Machine:
             seen[each.name] = each.path
             sections.setdefault(each.section, {})[each.name] = each
         folder = Path(folder or "")
-        if problems := Draft(sections, Reading(folder)).problems:
-            raise InputError([f"{path}: {text}" for path, text in problems])
+        refuse(Draft(sections, Reading(folder)).problems)
         self.__dict__.update(_name=name, _sections=sections, _folder=folder)
 
     _name: str
@@ -93,8 +92,7 @@ class Machine:
         """
         data = changed(self.to_dict(), changes, self._folder)
         draft = Draft({section: data[section] for section in SECTIONS if section in data}, Reading(self._folder))
-        if draft.problems:
-            raise InputError([f"{path}: {text}" for path, text in draft.problems])
+        refuse(draft.problems)
         return Machine(*draft.machine, name=self.name, folder=self._folder)
 
     def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: object) -> Scenario:

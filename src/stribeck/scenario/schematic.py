@@ -8,13 +8,10 @@ from stribeck.errors import printable
 from stribeck.machine.element import BetweenBodies
 from stribeck.machine.elements.controllers.pressure_cascade import PressureCascade
 from stribeck.machine.machine import Elements
+from stribeck.mouth.cells import digits
 
+_DIGITS = 4  # of a number: as many as tell it from its neighbors
 _LISTS = ("amplitude", "waves", "phase")
-
-
-def number(x: float) -> str:
-    """A number in as many digits as tell it from its neighbors."""
-    return f"{x:.4g}"
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ def entries(machine: Elements) -> list[Entry]:
     ]
     for contact in machine.system.contacts:
         law = machine.laws[contact.law_path]
-        shown = [f"{n} {number(x)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
+        shown = [f"{n} {digits(x, _DIGITS)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
         shown += [f"load: {', '.join(level.weights)}" for level in contact.loads]
         shown += [f"{constant} varies" for constant in contact.factors]
         numbers = (law.name, *shown, *_numbers(machine, contact.path))
@@ -77,9 +74,9 @@ def _numbers(machine: Elements, path: str) -> tuple[str, ...]:
         if constant.default is not None and value == constant.default:
             continue
         unit = constant.unit_for(rotary)
-        stem, _, digits = name.rpartition("_")
-        numbers, _ = shown.setdefault(stem if digits.isdigit() and stem in _LISTS else name, ([], unit))
-        numbers.append(number(value))
+        stem, _, index = name.rpartition("_")
+        numbers, _ = shown.setdefault(stem if index.isdigit() and stem in _LISTS else name, ([], unit))
+        numbers.append(digits(value, _DIGITS))
     return tuple(f"{n} {', '.join(x)} {unit if unit != '1' else ''}".strip() for n, (x, unit) in shown.items())
 
 
@@ -88,10 +85,12 @@ def about_body(machine: Elements, name: str) -> tuple[str, ...]:
     body = machine.system.elements.bodies[name]
     numbers = [x for x in _numbers(machine, body.path) if not x.startswith("ratio")]
     if body.tied_to is not None:
-        numbers.append(f"tied to {body.tied_to}, ratio {number(machine.values.get((body.path, 'ratio'), 1.0))}")
+        numbers.append(
+            f"tied to {body.tied_to}, ratio {digits(machine.values.get((body.path, 'ratio'), 1.0), _DIGITS)}"
+        )
     if body.velocity is not None:
         numbers.append(f"velocity: {machine.signals[next(body.signals())].kind}")
-    start = [f"{q} {number(x)}" for q in "yv" if (x := machine.initial.get(f"{name}.{q}"))]
+    start = [f"{q} {digits(x, _DIGITS)}" for q in "yv" if (x := machine.initial.get(f"{name}.{q}"))]
     return (*numbers, *(["starts at " + ", ".join(start)] if start else []))
 
 
