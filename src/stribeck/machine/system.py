@@ -85,11 +85,6 @@ class MachineSystem:
         """The controllers of a force: not those that move a valve."""
         return tuple(x for x in self.elements.controllers.values() if not x.moves_valve)  # type: ignore[misc]
 
-    @property
-    def by_element(self) -> bool:
-        """Whether events have the element's name."""
-        return not self.elements.unnamed
-
     # -- what the code generator needs -----------------------------------------------------------------------------
 
     @cached_property

@@ -197,7 +197,7 @@ def _as_lists(events: Mapping[str, Any]) -> dict[str, object]:
 def _events(scenario: Scenario, instants: list[tuple[float, int]]) -> dict[str, Any]:
     """The times of the events; of a machine by element, of a single body without its name."""
     watched = scenario.system.watched
-    if not scenario.system.by_element:
+    if scenario.elements.unnamed:
         times = {"slip": [t for t, what in instants if not what & 1], "stick": [t for t, what in instants if what & 1]}
         return {name: np.array(each) for name, each in times.items()}
     events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}
