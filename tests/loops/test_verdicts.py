@@ -1,11 +1,12 @@
 """Verdicts of loops that move for long before they rest, or rest for long before they break away; a simulator on equations
 written apart (benchmarks/design_attack.py) comes to the same."""
 
+import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario
 from stribeck.loops.boundary import Turned, line
-from stribeck.loops.judge import judge
+from stribeck.loops.judge import _LaneRecord, judge
 from stribeck.loops.loop import loop_of, time_constant
 from stribeck.loops.starts import from_starts
 from tests.loops.axis import axis
@@ -59,6 +60,15 @@ def test_a_slow_integral_breaks_away_in_the_end():
     (result,) = judge(loop(1.0, guide, [0.5, 1.5], 0.02, 40.0, kind="pid", K_p=40.0, K_i=2.0, K_d=8.0))
     assert result.verdict == "hunting"
     assert result.period == pytest.approx(373, rel=0.01)
+
+
+def test_a_force_that_grows_breaks_away_unless_it_settles_below():
+    held, t = loop_of(Scenario(axis(contact=law("lugre", F_s=1.4)))), np.linspace(0.0, 8.0, 801)
+    settles = 1 - np.exp(-t / 6)
+    at_its_rate = (1.4 - 1.6 * settles[700]) / (1.6 / 6 * np.exp(-1))  # the mean of the last quarter, and the rate before
+    for force, breaks in ((-0.1 * t, (1.4 - 0.7) / 0.1), (1.2 * settles, np.inf), (1.6 * settles, at_its_rate)):
+        lanes = type("Lanes", (dict,), {"t": t})({"a.y": [0 * t], "guide.F": [force]})
+        assert (_LaneRecord(held, lanes, 0, 1.0, {})._break_away_time() or np.inf) == pytest.approx(breaks, rel=0.02)
 
 
 @pytest.mark.parametrize(
