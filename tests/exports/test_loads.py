@@ -10,6 +10,7 @@ import stribeck
 from stribeck import InputError, Scenario
 from stribeck.cli import _status
 from stribeck.exports import contact_law
+from stribeck.exports.c.selftest import at_a_load
 from stribeck.exports.python import to_jax, to_torch
 from tests.exports.harness import need, output_of
 from tests.machine.machines import law, machine
@@ -73,7 +74,9 @@ def test_c(run, tmp_path):
     stribeck.export(RIG, "c", tmp_path, part="law", self_test=True)
     for flags in (("-O0",), ("-O0", "-DLUGRE_MAJORANT_FLOAT")):
         assert "all checks passed" in output_of(tmp_path, "lugre_majorant.c", "lugre_majorant_test.c", flags=flags)
-    inputs = ", ".join(f"&load.{n}" for n in contact_law(RIG).inputs)
+    tested = at_a_load(contact_law(RIG))
+    assert all(tested.values[name] for name in tested.inputs)
+    inputs = ", ".join(f"&load.{n}" for n in tested.inputs)
     (tmp_path / "main.c").write_text(f"""#include <stdio.h>
 #include "lugre_majorant.h"
 int main(void)

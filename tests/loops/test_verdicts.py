@@ -65,7 +65,7 @@ def test_a_slow_integral_breaks_away_in_the_end():
 def test_a_force_that_grows_breaks_away_unless_it_settles_below():
     held, t = loop_of(Scenario(axis(contact=law("lugre", F_s=1.4)))), np.linspace(0.0, 8.0, 801)
     settles = 1 - np.exp(-t / 6)
-    at_its_rate = (1.4 - 1.6 * settles[700]) / (1.6 / 6 * np.exp(-1))  # the mean of the last quarter, and the rate before
+    at_its_rate = (1.4 - 1.6 * settles[700]) / (1.6 / 6 * np.exp(-1))  # mean and rate as seen
     for force, breaks in ((-0.1 * t, (1.4 - 0.7) / 0.1), (1.2 * settles, np.inf), (1.6 * settles, at_its_rate)):
         lanes = type("Lanes", (dict,), {"t": t})({"a.y": [0 * t], "guide.F": [force]})
         assert (_LaneRecord(held, lanes, 0, 1.0, {})._break_away_time() or np.inf) == pytest.approx(breaks, rel=0.02)

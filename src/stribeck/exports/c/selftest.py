@@ -54,7 +54,7 @@ def at_a_load(law: Law) -> Law:
     force = float(law.scales(law.p).force) or 1.0
     given = {n: 1.25 if n.startswith("factor_") else 0.5 * float(law.scales(law.p).length) for n in law.inputs}
     given |= {n: (1 - 1.75 * (i % 2)) * force for i, n in enumerate(law.inputs) if n.startswith("load_")}
-    return law.replace(**{n: float(np.float32(x)) for n, x in given.items()}) if given else law
+    return law.replace(**{n: float(np.float32(x)) for n, x in given.items()})
 
 
 def _single(numbers: Array) -> Array:
