@@ -184,6 +184,7 @@ def test_equal_keys_are_equal_functions(seed):
 
 
 ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]], ["tanh", "u"]
+ATAN, ABOVE = ["atan", "u"], ["sub", ["atan", "u"], ["div", "pi", "4"]]
 
 
 @pytest.mark.parametrize(
@@ -208,6 +209,9 @@ ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u"
         (["sub", ["mul", "4/5", "u"], TANH], (0, 2), [TANH, "slope", "0", "4/5"], False),
         (["sub", ["mul", "4/5", "u"], TANH], (-1, 2), [TANH, "slope", "0", "1"], False),
         (["sub", ["sin", ["div", "pi", "4"]], "1"], (1, 2), [TANH, "slope", "0", "1"], False),
+        (ABOVE, (2, None), [ATAN, "pi range", "1/2", "1"], True),
+        (ABOVE, (0, None), [ATAN, "pi range", "1/2", "1"], False),
+        (["neg", ABOVE], (0, 2), [ATAN, "pi range", "0", "1/2"], False),
     ],
 )  # fmt: skip
 def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
@@ -297,6 +301,7 @@ def test_what_is_plainly_so_is_accepted():
     conditions = (["le", "u", "w"], ["le", ["sub", "u", "w"], "0"])
     for same in (conditions, [["both", c, ["lt", "u", "1"]] for c in conditions]):
         assert len({normal.key(read(["where", c, "u", "w"], NAMES)) for c in same}) == 1
+    assert normal.key(read(["pow", "u", ["sub", "w", "w"]], NAMES)) == normal.key(read("1", NAMES))
     assert Leaf(Region(box, box, True), []).holds(read(["sub", ["sqrt", ["mul", "u", "u"]], "u"], NAMES), "=0")
     assert Evaluation(box, positive=True)(read(["div", "1", ["neg", "u"]], NAMES)) == (None, fmpq(-1, 2))
     case = read(["where", ["lt", ["neg", "u"], ["add", "w", "1"]], "w", "u"], NAMES)  # on the whole quadrant
