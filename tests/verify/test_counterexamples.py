@@ -24,7 +24,7 @@ WRONG = [
     ("GeneralisedHalf", "smooth", {"from_below": 0.25}),
     ("SmoothStepMistyped", "smooth", {"from_below": 9.9e-3}),
     ("RambergOsgood", "bounded", {"enclosed": {"z_to": 1e-9}}),
-    ("EscapesWhenSliding", "unique", {"enclosed": {"c": 1e30}}),
+    ("EscapesWhenSliding", "unique", {"enclosed": {"c": 1e15, "power": 4}}),  # so it is near z_start
     ("BoucWenCubed", "drift_free", {"not_elastic": {"z_to": 0.0}}),
 ]
 
