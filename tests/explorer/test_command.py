@@ -52,10 +52,3 @@ def test_a_missing_extra_is_one_line(tmp_path):
     ((status, _, error),) = commands(tmp_path, ("explore", "lugre"), blocked=("bokeh",))
     assert status == 2
     assert error == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"
-
-
-def test_a_name_that_no_file_can_have_is_no_law(stribeck):  # noqa: F811
-    """It ended as a failure of the computer, "File name too long"."""
-    process = stribeck("explore", "a" * 300)
-    assert (process.status, process.out) == (2, "")
-    assert process.err.endswith("or FILE.py:NAME)\n")
