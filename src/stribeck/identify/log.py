@@ -31,7 +31,7 @@ BEGIN = 2 * FIRST_SAMPLES  # samples to which the initial state of a predicted r
 class Log:
     """Motion and force against time, SI units (rotary machines: rad, N m), every array of the same length.
 
-    Within a run the time rises by ``step``; runs follow each other. ``force`` is what drives the body, positive in the
+    Within a run the time rises by ``step``, the first of them unless given; runs follow each other. ``force`` is what drives the body, positive in the
     direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
 
     Attributes:
@@ -64,6 +64,10 @@ class Log:
     hashes: tuple[str, ...] = ()
     noise: float | None = None
     rotary: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.step:
+            object.__setattr__(self, "step", float(np.sum(self.time[1:2] - self.time[:1])))
 
     def __len__(self) -> int:
         return len(self.time)

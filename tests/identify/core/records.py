@@ -21,7 +21,7 @@ def record(
     level = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))
     force = p["mass"] * a + np.sign(v) * level + p["sigma_2"] * v + p["offset"] + extra(t, y, v, a)
     force = force + noise * draw.standard_normal(len(t))
-    return Log(t, y, v, a, force, np.zeros(len(t), np.int32), step=step)
+    return Log(t, y, v, a, force, np.zeros(len(t), np.int32))
 
 
 def joined(*logs, names=()):

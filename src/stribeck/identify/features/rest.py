@@ -25,8 +25,8 @@ def at_rest(log: Log) -> Mask:
     out = np.zeros(len(log), bool)
     fastest = float(np.quantile(abs(thinned(log).velocity), 0.99))
     noise = _noise(log)
-    window = max(_SHORTEST, round(_WINDOW / log.step) if log.step else _SHORTEST)
-    if log.bandwidth and log.step:  # at least the length of the filter's response
+    window = max(_SHORTEST, round(_WINDOW / log.step))
+    if log.bandwidth:  # at least the length of the filter's response
         window = max(window, round(1.0 / (log.bandwidth * log.step)))
     for rows in log.runs():
         count = (rows.stop - rows.start) // window

@@ -313,7 +313,7 @@ EFFECTS: dict[str, Effect] = {  # by name; {}: its number
     ),
     "filter": Effect(
         "the cut-off frequency of the filter", _one(lambda m, _: _smoother_force(m) - m.inertial - m.friction),
-        _if(lambda m: m.log.bandwidth and m.log.step), of_record=True,
+        _if(lambda m: m.log.bandwidth), of_record=True,
     ),
 }  # fmt: skip
 

@@ -53,7 +53,7 @@ def _at_start(v: float, a: float, way: float) -> float:
 def ripple_range(log: Log, q: int) -> tuple[float, float] | None:
     """The fewest and the most waves (1/m) that a record, of which one row in ``q`` is compared, can show; None for none."""
     way, usual = float(np.ptp(log.position)), float(np.median(abs(log.velocity)))
-    if not (way > 0 and usual > 0 and log.step):
+    if not (way > 0 and usual > 0):
         return None
     low = 2 * np.pi / way  # less than one wave on the way determines none
     high = min(2 * np.pi * HIGHEST / (q * log.step * usual), 2 * np.pi * _MOST_CELLS / (_CELLS * way))

@@ -76,7 +76,7 @@ def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
     """Rows so near a rest that the motion's filter may have moved them there: the force is the rest's. A short motion keeps
     the middle half of it."""
     out = np.zeros(len(rest), bool)
-    if not (log.bandwidth and log.step):
+    if not log.bandwidth:
         return out
     width = round(_SMEARED / (log.bandwidth * log.step))
     for rows in log.runs():
@@ -249,7 +249,7 @@ def _blocks(log: Log, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[n
 
 
 def _ringing(log: Log, q: int) -> NDArray[np.bool_]:
-    rise = max(1, round(RISE / (log.bandwidth * log.step)) if log.bandwidth and log.step else 1)
+    rise = max(1, round(RISE / (log.bandwidth * log.step)) if log.bandwidth else 1)
     reach = max(rise, RINGS * q if q > 1 else 1)
     out = np.zeros(len(log), bool)
     for run in log.runs():
