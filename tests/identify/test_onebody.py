@@ -185,9 +185,10 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
 
 
 @pytest.mark.thorough
-def test_loops_short_of_gross_sliding_leave_F_c_open():
+@pytest.mark.parametrize("loops", [rig.LOOPS, [rig.loop(3e-4, 1.0)]], ids=["short", "slow"])
+def test_loops_short_of_gross_sliding_leave_F_c_open(loops):
     """The level of a slow motion is then F_s, and nothing shows where the curve ends. A terminal printed no reason."""
-    fit = fitted(rig.measured(rig.LOOPS))
+    fit = fitted(rig.measured(loops))
     result = fit.estimates["F_c"]
     assert result.state == "not identifiable"
     assert "F_c: not identifiable: no stroke is long or fast enough" in " ".join(str(fit).split())

@@ -31,8 +31,8 @@ BEGIN = 2 * FIRST_SAMPLES  # samples to which the initial state of a predicted r
 class Log:
     """Motion and force against time, SI units (rotary machines: rad, N m), every array of the same length.
 
-    Within a run the time rises by ``step``, the first of them unless given; runs follow each other. ``force`` is what drives the body, positive in the
-    direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
+    Within a run the time rises by ``step``, the first of them unless given; runs follow each other. ``force`` is what drives
+    the body, positive in the direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
 
     Attributes:
         unfiltered: the measured position, or the velocity where that was measured, before any filter.

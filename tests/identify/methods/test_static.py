@@ -13,7 +13,8 @@ from stribeck.identify import said
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.log import Log
 from stribeck.identify.methods import bristles
-from stribeck.identify.methods.static import nearest_stribeck
+from stribeck.identify.methods.static import check_motion, nearest_stribeck
+from stribeck.identify.options import FitOptions
 from tests.identify import rig
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
@@ -219,18 +220,33 @@ def test_a_law_with_bristles_is_tried_wherever_it_could_win_above_the_noise(left
     assert bristles.asked_for(log, fit) is asked
 
 
-@pytest.mark.parametrize(("error", "looks"), [(0.04, [True, False]), (0.06, [True])])
-def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monkeypatch, error, looks):
-    asked = []
+def test_lugre_is_reported_if_it_leaves_half_the_error_and_tells_as_many_numbers(monkeypatch):
+    """A static law predicts nothing at rest, and lost all its numbers to a LuGre that identified none."""
+    log = record(1, end=8.0)
+    static = stribeck.fit(log, "stribeck")
+    left, every = bristles._error_everywhere(static, log), replace(static, law_name="lugre")
+    few = replace(every, estimates={"mass": static["mass"]}, levels={})
+    for judged, error, name, looks in (
+        (every, 0.4, "lugre", 2),
+        (few, 0.4, "stribeck", 2),
+        (every, 0.6, "stribeck", 1),
+    ):
+        asked, model = [], SimpleNamespace(first={})
+        best = SimpleNamespace(
+            stopped=False, error=error * left, residual=log.force, model=model, judged=lambda j=judged: j
+        )
+        monkeypatch.setattr(bristles, "simulated", lambda *_, asked=asked, best=best, **__: asked.append(0) or best)
+        fit = bristles.better(log, static, ["lugre"], FitOptions())
+        assert (fit.law_name, len(asked)) == (name, looks)
+        assert ("it identifies fewer numbers" in fit.notes[0]) == (judged is few)
 
-    def simulated(log, name, options, progress, rough=False):
-        asked.append(rough)
-        return SimpleNamespace(stopped=False, error=error, rough=rough)
 
-    monkeypatch.setattr(bristles, "simulated", simulated)
-    result = bristles._simulated(None, "lugre", None, 0.1, None)
-    assert asked == looks
-    assert result.rough is looks[-1]
+def test_a_force_acts_against_the_motion_only_if_its_work_is_negative():
+    """A record of 2.5 um, all presliding, was refused: the friction of a rough regression was below 0 by chance."""
+    t = np.arange(0, 10, 2e-3)
+    y = 2.5e-6 * np.sin(2 * t) + 1e-6 * np.sin(5 * t + 1)
+    v, noise = np.gradient(y, 2e-3), 0.3 * np.random.default_rng(11).standard_normal(len(t))
+    check_motion(Log(t, y, v, np.gradient(v, 2e-3), 2.0 + 1e6 * y + 300 * v + noise, np.zeros(len(t), np.int32)))
 
 
 @pytest.mark.thorough
