@@ -1,7 +1,9 @@
 """new, and what a command reads before it begins."""
 
+import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +17,12 @@ def test_a_new_scenario_begins_with_a_law_that_is_proved_passive(stribeck, tmp_p
     law = Scenario.load("mine.toml").law
     assert law.name == "lugre_majorant"
     assert check(law)["passive"].holds is True
+
+
+def test_the_step_after_new_names_files_that_are_there(stribeck, tmp_path):
+    """In another folder the recordings were named without it."""
+    words = shlex.split(stribeck("new", "joint-from-log", "--out", tmp_path / "a.toml").out.partition("next: ")[2])
+    assert Path(words[words.index("--logs") + 1]).is_file()
 
 
 def test_the_command_that_was_given_is_made_alone():

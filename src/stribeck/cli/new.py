@@ -18,7 +18,7 @@ from stribeck.files import write_text
 # What to do with an example, where that is not to run it.
 _NEXT = {
     "axis_hunts": "stribeck design {target}",
-    "joint_from_log": "stribeck fit {target} --logs {stem}.logs.toml --out fit",
+    "joint_from_log": "stribeck fit {target} --logs {logs} --out fit",
 }
 _START = "stick_slip"  # the example that a new name starts from, under another law
 _BEGIN = """\
@@ -63,8 +63,9 @@ def _command(
     else:
         wrote(files)
         following = _NEXT.get(_example(name), "stribeck run {target} --out {stem}").format(
-            target=shlex.quote(str(files[-1])), stem=shlex.quote(files[-1].stem)
-        )
+            target=shlex.quote(str(files[-1])), stem=shlex.quote(files[-1].stem),
+            logs=shlex.quote(str(files[-1].with_suffix(".logs.toml"))),
+        )  # fmt: skip
         print(printable(f"next: {following}"))
     return 0
 
