@@ -20,16 +20,13 @@ import static_records as records
 from intervals import holds
 from measure import Given, run, say, write
 
-from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.reading import read_log
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.methods.static import fit_static
-from stribeck.identify.models.curves import LAWS, SteadyCurve
-from stribeck.identify.models.record import record_of, rows_of
-from stribeck.identify.models.steady import chosen
+from stribeck.identify.methods.static import estimated, fit_static
+from stribeck.identify.models.curves import LAWS
 from stribeck.identify.options import FitOptions
 
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
@@ -44,9 +41,8 @@ PAIRS, MOTIONS = ("agree", "same"), ("held", "rigs", "kinds")
 
 def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]]:
     """Every estimate of one law's fit, and the speeds of the levels."""
-    curve = SteadyCurve(law, {}, ())
-    choice = chosen(record_of(rows_of(log), ("offset",), {}), [curve])
-    return judged(choice), choice.library.levels
+    fitted = estimated(log, (law,), FitOptions())
+    return fitted.estimates, fitted.choice.library.levels
 
 
 def usable(name: str, e: Estimate) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -57,19 +58,40 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
     check_motion(log)
     tell = progress or (lambda _: None)
     whole, log = log, shortened(log, ENOUGH_ROWS)
-    rows = rows_of(log)
-    body, unused = _terms(log, options)
     with threadpool_limits(1):  # the matrices are too small for more threads
-        choice = _chosen(rows, names, body, options)
-        tell(1 / 3)  # choice, judging and predictor take about the same time
-        estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
-        tell(2 / 3)
+        fitted = estimated(log, names, options, tell)
+        rows, choice = fitted.rows, fitted.choice
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
         predicting = predictor(
-            choice if same else _chosen(wide, names, body, options), log, choice.library.at.speeds[0]
+            choice if same else _chosen(wide, names, fitted.body, options), log, choice.library.at.speeds[0]
         )
-    return _finished(whole, rows, choice, estimates, unused, options, predicting)
+    return _finished(whole, rows, choice, fitted.estimates, fitted.unused, options, predicting)
+
+
+class Estimated(NamedTuple):
+    """The rows that are compared, the chosen model and its estimates; its terms, and the measured columns without one."""
+
+    rows: Rows
+    choice: Selection[SteadyLibrary]
+    estimates: dict[str, Estimate]
+    body: list[str]
+    unused: dict[str, str]
+
+
+def estimated(log: Log, names: Sequence[str], options: FitOptions, tell: Progress = lambda _: None) -> Estimated:
+    """The best model of some laws on a record, with both uncertainties.
+
+    Args:
+        tell: called with the share done, a third and two thirds: choice, judging and predictor take about the same time.
+    """
+    rows = rows_of(log)
+    body, unused = _terms(log, options)
+    choice = _chosen(rows, names, body, options)
+    tell(1 / 3)
+    estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
+    tell(2 / 3)
+    return Estimated(rows, choice, estimates, body, unused)
 
 
 def _filtered_lower(
