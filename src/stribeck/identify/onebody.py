@@ -20,6 +20,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
+from stribeck.identify.actuator.regression import regressed
 from stribeck.identify.beyond import seen
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.filtering import other_motions
@@ -76,6 +77,10 @@ class OneBody:
         """The key of the body's mass in the machine."""
         return "inertia" if self.rotary else "mass"
 
+    def sign(self, name: str) -> float:
+        """The factor from a parameter to the machine's: a force leads by what the motion lags."""
+        return -1.0 if name == "delay" and self.output == "force" else 1.0
+
     def path(self, name: str) -> str:
         """The path of a parameter in the machine, or beside its output."""
         if name in self.law.constants():
@@ -110,7 +115,8 @@ class Simulated:
     def residual(self) -> Array:
         """The force of the fitted record less that of the law, N."""
         values = self.best.values()
-        used = {**self.model.fixed, **self.model.given, **{n: values[n] for n in self.model.first}}
+        fitted = {n: self.model.sign(n) * values[n] for n in self.model.first}
+        used = {**self.model.fixed, **self.model.given, **fitted}
         friction, beside = parts(self.model.name, used, self.log, _deflections(values, self.log))
         return self.log.force - friction - beside
 
@@ -118,6 +124,13 @@ class Simulated:
     def error(self) -> float:
         """The residual as a share of the force."""
         return size_ratio(self.residual, self.log.force)
+
+    @property
+    def late(self) -> bool:
+        """Whether a delay is among the effects that explain the residual best."""
+        choice = regressed(self.best.problem.without_whitening(), self.best.u)
+        _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), alone=False)
+        return self.model.path("delay") in choice.library.models[k][1]  # none that is fitted already
 
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
@@ -171,7 +184,7 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
     terms.check((*wanted, *given), log)
     problems = []
     for n in (*wanted, *given):
-        if output == "force" and (TERMS[n].level or n == "delay"):
+        if output == "force" and TERMS[n].level:
             problems.append(
                 f"{arg('term')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
             )
@@ -270,11 +283,13 @@ def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
     part, t = log.rows(rows), log.step * np.arange(rows.stop - rows.start)
     name = log.files[number] if number < len(log.files) else f"run {number}"
     inputs = {"loads.force.signal": Channel("force", t, part.force, smooth=True)}
-    output = Channel(model.output, t, raw(part, model.output))
+    at = t - model.sign("delay") * model.given.get("delay", 0.0)  # of the output, by the clock of the drive
+    output = Channel(model.output, at, raw(part, model.output))
     if model.output == "force":
-        known = {n: x * terms.column(n, part) for n, x in model.given.items() if TERMS[n].column is not None}
-        beside = {n: terms.column(n, part) for n in model.wanted if n != "offset"}
-        output = Channel("force", t, part.force - sum(known.values(), np.zeros(len(t))), beside=beside)
+        columns = {n: np.interp(at, t, terms.column(n, part)) for n in (*model.given, *model.wanted) if TERMS[n].column}
+        known = sum((x * columns[n] for n, x in model.given.items() if n in columns), np.zeros(len(t)))
+        beside = {n: columns[n] for n in model.wanted if n in columns and n != "offset"}
+        output = Channel("force", at, part.force - known, beside=beside)
         inputs = {"bodies.body.velocity.signal": Channel("velocity", t, part.velocity, smooth=True)}
     elif "area" in (*model.wanted, *model.given) and part.pressure is not None:
         inputs["loads.area.signal"] = Channel("pressure", t, -part.pressure, smooth=True)
@@ -298,7 +313,8 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
         else:
             begin = min(max(guess.value, given.low), given.high)
             start = begin if given.start is None and given.prior is None else given.start
-            sought.append(replace(given, path=path, start=start, label=n))
+            wanted = replace(given, path=path, start=start, label=n)
+            sought.append(wanted if model.sign(n) > 0 else wanted.mirrored())
     if model.law.has_z:
         law = model.first_law()
         way = farthest(law)
@@ -314,8 +330,9 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
 
 def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
     """The machine's fit as a fit of the log."""
-    used = {**model.fixed, **model.given, **{n: e.value for n, e in machine_fit.estimates.items()}}
-    estimates = with_units(machine_fit.estimates, model.name, model.fixed, log)
+    fitted = {n: e if model.sign(n) > 0 else e.mirrored() for n, e in machine_fit.estimates.items()}
+    used = {**model.fixed, **model.given, **{n: e.value for n, e in fitted.items()}}
+    estimates = with_units(fitted, model.name, model.fixed, log)
     friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)

@@ -232,9 +232,8 @@ def test_lugre_is_reported_if_it_leaves_half_the_error_and_tells_as_many_numbers
         (every, 0.6, "stribeck", 1),
     ):
         asked, model = [], SimpleNamespace(first={})
-        best = SimpleNamespace(
-            stopped=False, error=error * left, residual=log.force, model=model, judged=lambda j=judged: j
-        )
+        best = SimpleNamespace(stopped=False, error=error * left, residual=log.force, model=model, late=False)
+        best.judged = lambda j=judged: j
         monkeypatch.setattr(bristles, "simulated", lambda *_, asked=asked, best=best, **__: asked.append(0) or best)
         fit = bristles.better(log, static, ["lugre"], FitOptions())
         assert (fit.law_name, len(asked)) == (name, looks)

@@ -12,7 +12,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, Relations
 from stribeck.identify.actuator.inputs import number_at
 from stribeck.identify.actuator.recordings import Channel
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.runs import RecordedRun, delayed
 from stribeck.identify.actuator.whitening import WHITE
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
@@ -148,9 +148,10 @@ class MachineProblem:
             of_sensor = {what: each[:, None] for (column, what), each in sensors.items() if column == target.column}
             x *= of_sensor.get("gain", 1.0)
             x += of_sensor.get("offset", 0.0)
+            late = delays.get(target.column)
             for name, term in target.beside.items():
                 if name in of_sensor:
-                    x += of_sensor[name] * term
+                    x += of_sensor[name] * (term if late is None else delayed(target.t, term, late))
         return columns
 
     def _simulated(self, k: int, U: Array) -> Array:

@@ -118,6 +118,11 @@ class Sought:
     nuisance: bool = False
     label: str = ""
 
+    def mirrored(self) -> Sought:
+        """The same parameter with the opposite sign."""
+        start, prior = (None if self.start is None else -self.start), self.prior and (-self.prior[0], self.prior[1])
+        return replace(self, low=-self.high, high=-self.low, start=start, prior=prior)
+
 
 @dataclass(frozen=True)
 class Logs:

@@ -155,6 +155,12 @@ def at_times(grid: Array, x: Array, target: Channel, late: Late | None) -> Array
     return columns
 
 
+def delayed(t: Array, x: Array, late: Late) -> Array:
+    """A column at later times in each lane; beyond its ends it is constant."""
+    delay, clock = (each[:, None] for each in late)
+    return np.array([np.interp(at, t, x) for at in t * (1 - clock) - delay])
+
+
 def solver(scenario: Scenario, threads: int) -> LaneSolver:
     """The solver of a system's lanes.
 

@@ -81,6 +81,11 @@ class Estimate:
         state = EstimateState.NOT_IDENTIFIABLE
         return replace(self, value=value, interval=(low, high), range=(low, high), state=state, why=why)
 
+    def mirrored(self) -> Estimate:
+        """The estimate of the number with the opposite sign."""
+        (low, high), (least, most) = self.interval, self.range or self.interval
+        return replace(self, value=-self.value, interval=(-high, -low), range=self.range and (-most, -least))
+
     def less(self, other: Estimate, times: float) -> Estimate:
         """This less a multiple of another estimate. Their errors add up."""
         both = (self.interval, other.interval), (self.range or self.interval, other.range or other.interval)

@@ -94,13 +94,19 @@ def _identified(fit: LogFit) -> int:
 
 
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
-    """A law's fit, or its rough fit if the error is too large to be chosen over ``left``."""
+    """A law's fit, or its rough fit if the error is too large to be chosen over ``left``.
+
+    A delay is fitted if the law's residual shows one, and kept by BIC.
+    """
     if np.isfinite(left):
-        rough = simulated(log, name, options, part(progress, 0, 2), rough=True)
+        rough = simulated(log, name, options, part(progress, 0, 3), rough=True)
         if rough.stopped or not rough.error < HALF * left:
             return rough
-        progress = part(progress, 1, 2)
-    return simulated(log, name, options, progress)
+    fit = simulated(log, name, options, part(progress, 1, 3))
+    if fit.stopped or options.alone or not fit.late:
+        return fit
+    later = simulated(log, name, replace(options, term=(*options.term, "delay")), part(progress, 2, 3))
+    return later if later.stopped or _bic(later) < _bic(fit) else fit
 
 
 def _bic(fit: Simulated) -> float:
