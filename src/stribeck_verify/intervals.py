@@ -277,12 +277,10 @@ class Evaluation:
         ranges = []
         for case, (small, large) in zip(cases, ((left, right), (right, left)), strict=True):
             (low, below), (above, high) = self(small), self(large)  # here small <= large
+            if low is not None and high is not None and low > high:
+                continue
             below = high if below is None else (below if high is None else min(below, high))
             above = low if above is None else (above if low is None else max(above, low))
-            if (low is not None and below is not None and low > below) or (
-                above is not None and high is not None and above > high
-            ):
-                continue
             inside = Evaluation(self.box, self.positive)
             inside.known = {**self.preset, small: (low, below), large: (above, high)}
             inside.preset = dict(inside.known)

@@ -58,7 +58,8 @@ def unique(rate: Any = LUGRE) -> dict[str, Any]:
         for s, t, sign in product(SIGNS, (1, -1), (1, -1))
     ]
     finite = [claim("finite", s, 0, ">=0", sign=sign, a="0", b="1", k=1) for s, sign in product(SIGNS, (1, -1))]
-    return certificate("unique", "lipschitz", slopes + finite, rate)
+    grows = [claim("growth", s, t, ">=0", a="0", b="1", l="1", k=1) for s, t in product(SIGNS, (1, -1))]
+    return certificate("unique", "lipschitz", slopes + finite + grows, rate)
 
 
 def passive(rate: Any = LUGRE, leaf: Any = LEAF, inner: Any = None) -> dict[str, Any]:
@@ -67,6 +68,14 @@ def passive(rate: Any = LUGRE, leaf: Any = LEAF, inner: Any = None) -> dict[str,
         claim("power", s, t, ">=0", w=["0", Z], slope=slope, tree=leaf) for s, t in product(SIGNS, SIGNS)
     ]  # fmt: skip
     return certificate("passive", "storage", claims, rate, hypotheses={"bounded": inner or bounded(rate)})
+
+
+def passive_at_any_z() -> dict[str, Any]:
+    """LuGre without sigma_1, whose power has a storage function that no bound on z is needed for."""
+    slope = ["mul", SIGMA_0, "z"]
+    claims = [claim("power", s, t, ">=0", slope=slope) for s, t in product(SIGNS, SIGNS)]
+    claims += [claim("slope sign", 0, t, ">=0", slope=slope) for t in (1, -1)]
+    return certificate("passive", "storage", claims, force=["add", slope, ["mul", SIGMA_2, "v"]])
 
 
 # sqrt(v^2 + 1e-12) in place of |v|: the law constants.. of nasty/literature.py:RootMajorant

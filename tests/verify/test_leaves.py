@@ -105,6 +105,11 @@ def test_a_range_holds_every_value(seed):
     assert decided > 60
 
 
+def test_a_power_of_what_may_be_below_0_has_no_range():
+    with pytest.raises(Refused, match="below 0"):
+        evaluate(read(["pow", ["sub", "w", "2"], "2"], NAMES), {"w": (fmpq(0), fmpq(3))})
+
+
 def atoms_for(rng: random.Random, x: Node) -> list[Any]:
     """Atoms with rules that may or may not fit, for every function and case in an expression."""
     results = []
