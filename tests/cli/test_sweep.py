@@ -110,15 +110,6 @@ def test_a_table_holds_texts_numbers_and_what_is_missing():
     assert table.schema.field("F").metadata == {b"unit": b"N", b"meaning": b"what it is"}
 
 
-@pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_values_that_no_axis_can_have(stribeck, scenario, tmp_path):
-    far = ("--vary", "plant.initial.v=-1e308:1e308:3", "--vary", "plant.initial.y=-1e308:1e308:3")
-    outcome = stribeck("sweep", scenario, *far, "--set", "solve.t_end=0.1", "--summary", "--out", tmp_path / "far")
-    assert outcome.status == 0, outcome.err
-    assert "lanes failed; the column 'reason' says why" in outcome.err
-    assert (tmp_path / "far" / "part-000000.parquet").exists()
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
 def test_damage_that_is_no_file(stribeck, scenario, tmp_path):
     """A manifest nested too deep and a link to itself ended in tracebacks; pipes were waited for; a folder that kill -9 left
