@@ -127,10 +127,12 @@ class Simulated:
 
     @property
     def late(self) -> bool:
-        """Whether a delay is among the effects that explain the residual best."""
+        """Whether a delay is among the effects that explain the residual best, and neither fitted nor given."""
+        if "delay" in self.model.given:
+            return False
         choice = regressed(self.best.problem.without_whitening(), self.best.u)
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), alone=False)
-        return self.model.path("delay") in choice.library.models[k][1]  # none that is fitted already
+        return self.model.path("delay") in choice.library.models[k][1]
 
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
