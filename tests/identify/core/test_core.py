@@ -233,6 +233,15 @@ def test_creep_within_the_presliding_of_a_dwell_is_no_sliding():
     assert [fitted[n].value for n in ("F_c", "mass", "level slow")] == pytest.approx([10.0, 2.0, 10.0], rel=0.02)
 
 
+def test_what_the_model_leaves_unexplained_may_be_a_hidden_form():
+    """An axis with 18 % of systematic residual had a slow level of 13.5 [12.6, 14.4] N, for 18.8 N."""
+    hidden = [
+        judged(choice_of(log), draws=1)["F_c"].parts["H"]
+        for log in (record(3, extra=lambda t, y, v, a: 1.5 * np.sin(17 * t)), record(3, noise=1.06))
+    ]
+    assert hidden[0] > 2 * hidden[1]
+
+
 def test_within_a_smooth_sign_a_speed_is_seen_in_part():
     """The slow level of a LuGre axis, 9.0 [7.8, 10.3] N for 11.8 N, was that of a sign that a filter had made smooth."""
     log, curve = record(1), SteadyCurve("stribeck_tanh", {"k_v": 20.0}, ())

@@ -113,8 +113,8 @@ class MachineLibrary(ModelLibrary):
         far = np.max(abs(x[:, : self.k]), axis=1, initial=0.0)
         return np.where(far > CELL, STEEP, 1.0)
 
-    def largest_hidden(self, form: str) -> float:
-        """The largest coefficient from the form's definition."""
+    def largest_hidden(self, form: str, unexplained: float) -> float:
+        """The largest coefficient from the form's definition: a whitened residual shows nothing systematic."""
         return next(x.largest for x in self.forms if x.name == form) * float(self.unit[self.groups[form][0]])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:

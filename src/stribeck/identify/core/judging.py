@@ -4,7 +4,7 @@
 
 C is the covariance. A is the shift if the choice is repeated on resampled blocks. M is the shift if the motion is filtered at
 a lower cut-off frequency. B is the shift on resampled blocks with a random half of the forms withheld. H is the shift by
-forms too small to be visible in the record.
+forms that the record does not show: as small as noise, or as large as what the model leaves unexplained.
 """
 
 from __future__ import annotations
@@ -180,13 +180,14 @@ def _hidden(choice: Selection[Of], slope: Array, inverse: Array) -> tuple[Array,
     lib, model, x = choice.library, choice.model, choice.coefficients
     j, r = lib.columns[:, lib.index(model)], lib.residual(model, x)
     noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
+    repeated = max(float(r[1:] @ r[:-1]) / len(r), 0.0)  # from row to row, as noise would not
     shifts, names = list[Array](), list[str]()
     for g, members in lib.groups.items():
         if g not in model[1]:
             column = lib.columns[:, members[0]]
             stands = inverse @ (j.T @ column)
             seen = float(np.sqrt(np.mean((column - j @ stands) ** 2)))
-            shifts.append(slope @ stands * min(noise / max(seen, 1e-9), lib.largest_hidden(g)))
+            shifts.append(slope @ stands * min(noise / max(seen, 1e-9), lib.largest_hidden(g, np.sqrt(repeated))))
             names.append(g)
     if not shifts:
         return np.zeros(len(slope)), [""] * len(slope)

@@ -85,8 +85,8 @@ class ModelLibrary(ABC):
         """A factor on the squared residual that penalizes impossible coefficients (models, columns)."""
 
     @abstractmethod
-    def largest_hidden(self, form: str) -> float:
-        """The largest coefficient of a form that may go unnoticed in a record."""
+    def largest_hidden(self, form: str, unexplained: float) -> float:
+        """The largest coefficient of a form that may go unnoticed in a record; ``unexplained``: systematic rms residual."""
 
     @abstractmethod
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:

@@ -93,9 +93,9 @@ class SteadyLibrary(ModelLibrary):
         """Whether a form differs from the law's own curve at each node."""
         return fits(form, self.nodes, self.at.fast)
 
-    def largest_hidden(self, form: str) -> float:
-        """A share of the force's standard deviation, which a constant preload does not enlarge."""
-        return UNNOTICED * self.deviation
+    def largest_hidden(self, form: str, unexplained: float) -> float:
+        """A share of the force's standard deviation, which a constant preload does not enlarge; or what is unexplained."""
+        return max(UNNOTICED * self.deviation, unexplained)
 
     def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
