@@ -62,6 +62,11 @@ def unique(rate: Any = LUGRE) -> dict[str, Any]:
     return certificate("unique", "lipschitz", slopes + finite + grows, rate)
 
 
+def bounded_at_its_edge() -> dict[str, Any]:
+    claims = [claim("inward", s, t, ">=0", w=[Z, Z]) for s, t in product(SIGNS, (1, -1))]
+    return certificate("bounded", "edge", claims, hypotheses={"unique": unique()})
+
+
 def passive(rate: Any = LUGRE, leaf: Any = LEAF, inner: Any = None) -> dict[str, Any]:
     slope = ["mul", SIGMA_0, "z"]
     claims = [

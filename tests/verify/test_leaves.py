@@ -213,6 +213,7 @@ ATAN, ABOVE = ["atan", "u"], ["sub", ["atan", "u"], ["div", "pi", "4"]]
         (["sub", ["mul", "3/4", "u"], TANH], (1, 2), [TANH, "slope", "0", "3/4"], False),
         (["sub", ["mul", "4/5", "u"], TANH], (0, 2), [TANH, "slope", "0", "4/5"], False),
         (["sub", ["mul", "4/5", "u"], TANH], (-1, 2), [TANH, "slope", "0", "1"], False),
+        (["mul", "u", ["sub", TANH, ["mul", "2/5", "u"]]], (-9, 2), [TANH, "slope", "2/5", "1"], False),
         (["sub", ["sin", ["div", "pi", "4"]], "1"], (1, 2), [TANH, "slope", "0", "1"], False),
         (ABOVE, (2, None), [ATAN, "pi range", "1/2", "1"], True),
         (ABOVE, (0, None), [ATAN, "pi range", "1/2", "1"], False),
@@ -309,5 +310,9 @@ def test_what_is_plainly_so_is_accepted():
     assert normal.key(read(["pow", "u", ["sub", "w", "w"]], NAMES)) == normal.key(read("1", NAMES))
     assert Leaf(Region(box, box, True), []).holds(read(["sub", ["sqrt", ["mul", "u", "u"]], "u"], NAMES), "=0")
     assert Evaluation(box, positive=True)(read(["div", "1", ["neg", "u"]], NAMES)) == (None, fmpq(-1, 2))
+    for open_ in (True, False):  # u (u - 1) < 0 is u < 1 where u > 0
+        leaf = Leaf(Region(box, box, open_), [])
+        sides = (leaf(read(x, NAMES)) for x in (["mul", "u", ["sub", "u", "1"]], ["sub", "u", "1"]))
+        assert leaf._positive_multiple(*sides) is open_
     case = read(["where", ["lt", ["neg", "u"], ["add", "w", "1"]], "w", "u"], NAMES)  # on the whole quadrant
     agree_on_axis([(Cases(case), 1), (Cases(W), 1)], U, None)

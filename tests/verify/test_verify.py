@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from itertools import cycle, islice, product
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from stribeck.properties.statement import statement
 from stribeck.properties.verdicts import Verdict
 from stribeck_verify import theorems, verify
 from stribeck_verify.__main__ import main
-from stribeck_verify.equations import compare_bound
+from stribeck_verify.equations import compare_bound, to_node
 from stribeck_verify.expressions import Refused
 from stribeck_verify.theorems import read_case
 from tests.shared import places
@@ -30,6 +31,7 @@ from tests.verify.hand_made import ALL, SIGNS, certificate, claim
 
 RIGHT = {
     "bounded": (by_hand.bounded, "lugre"),
+    "bounded at its edge": (by_hand.bounded_at_its_edge, "lugre"),
     "unique": (by_hand.unique, "lugre"),
     "passive": (by_hand.passive, "lugre"),
     "passive at any z": (by_hand.passive_at_any_z, None),
@@ -89,6 +91,7 @@ FALSE = {
     "a theorem that is none": (by_hand.bounded, ("theorem",), "evident", "no theorem 'evident'"),
     "no hypothesis": (by_hand.passive, ("hypotheses",), {}, "do not cover z"),
     "an empty hypothesis": (by_hand.passive, ("hypotheses", "bounded", "claims"), [], "do not cover v"),
+    "no proof of uniqueness": (by_hand.bounded_at_its_edge, ("hypotheses", "unique", "claims"), [], "do not cover"),
     "a hypothesis with a larger Z": (by_hand.passive, ("hypotheses", "bounded", "Z"), "1/50000", "about another law"),
     "a smaller Z": (by_hand.bounded, ("Z",), "1/100000", "do not cover v"),
     "another relation": (by_hand.bounded, ("claims", 0, "relation"), "!=0", "relation must be >=0"),
@@ -110,6 +113,7 @@ FALSE = {
     "a speed limit that is none": (by_hand.passive, ("v_max",), "0", "v_max"),
     "too large an elastic range": (by_hand.drift_free, ("data", "z_0"), "1/100000", "do not cover v"),
     "no elastic range": (by_hand.drift_free, ("data", "z_0"), "0", "must be > 0"),
+    "a law of |v| by name": (by_hand.bounded, ("dz_dt", 2, 1, 1), "u", "may depend on v and z only"),
     "another format": (by_hand.bounded, ("format",), 2, "format: 2"),
     "a name defined anew": (by_hand.bounded, ("definitions", 0, 0), "v", "cannot be defined"),
 }
@@ -151,8 +155,15 @@ def test_other_constants_are_refused():
         compare_bound({"Z": ["sqrt", 2.0], "constants": {}}, fmpq(3, 2))
 
 
+def test_a_condition_that_an_infinite_number_decides_has_one_case():
+    for condition, left in ((["lt", "v", inf], "v"), (["lt", inf, "v"], "z")):
+        assert to_node(["where", condition, "v", "z"], {}).value == left
+    with pytest.raises(Refused, match="the number inf"):
+        to_node(["add", "v", inf], {})
+
+
 def test_random_changes_do_not_crash_it():
-    """All but three are refused, which put {} in the place of {}."""
+    """All but three are refused, which change nothing, or what says nothing."""
     rng, refused = random.Random(3), 0
     for _ in range(60):
         data = copy.deepcopy(RIGHT[rng.choice(list(RIGHT))][0]())
