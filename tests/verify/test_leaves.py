@@ -238,6 +238,7 @@ def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
         (["add", ["lt", "u", "1"], "w"], "a condition stands"), (["where", "u", "u", "w"], "a condition stands"),
         (["both", "u", ["lt", "u", "1"]], "a condition stands"), (["where", ["lt", "u", "1"], "u", "w"], None),
         (["pow", ["sub", "u", "2"], "1/2"], "pow"),
+        (["where", ["lt", "u", "w"], "w", "u"], "a condition that is not decided has no atom"),
         (["div", "1", ["sub", "u", "1"]], "a divisor may be 0"), (["log", ["sub", "u", "1"]], "log"),
     ],
 )  # fmt: skip
@@ -307,6 +308,8 @@ def test_what_is_plainly_so_is_accepted():
     conditions = (["le", "u", "w"], ["le", ["sub", "u", "w"], "0"])
     for same in (conditions, [["both", c, ["lt", "u", "1"]] for c in conditions]):
         assert len({normal.key(read(["where", c, "u", "w"], NAMES)) for c in same}) == 1
+    open_case = read(["where", ["both", ["lt", "0", "1"], ["lt", "u", "w"]], "u", "w"], NAMES)
+    assert normal.key(open_case) not in (normal.key(U), normal.key(W))
     assert normal.key(read(["pow", "u", ["sub", "w", "w"]], NAMES)) == normal.key(read("1", NAMES))
     assert Leaf(Region(box, box, True), []).holds(read(["sub", ["sqrt", ["mul", "u", "u"]], "u"], NAMES), "=0")
     assert Evaluation(box, positive=True)(read(["div", "1", ["neg", "u"]], NAMES)) == (None, fmpq(-1, 2))
