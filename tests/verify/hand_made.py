@@ -75,9 +75,9 @@ def passive(rate: Any = LUGRE, leaf: Any = LEAF, inner: Any = None) -> dict[str,
     return certificate("passive", "storage", claims, rate, hypotheses={"bounded": inner or bounded(rate)})
 
 
-def passive_at_any_z() -> dict[str, Any]:
+def passive_at_any_z(slope: Any = ("mul", SIGMA_0, "z")) -> dict[str, Any]:
     """LuGre without sigma_1, whose power has a storage function that no bound on z is needed for."""
-    slope = ["mul", SIGMA_0, "z"]
+    slope = list(slope)
     claims = [claim("power", s, t, ">=0", slope=slope) for s, t in product(SIGNS, SIGNS)]
     claims += [claim("slope sign", 0, t, ">=0", slope=slope) for t in (1, -1)]
     return certificate("passive", "storage", claims, force=["add", slope, ["mul", SIGMA_2, "v"]])
