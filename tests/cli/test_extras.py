@@ -35,6 +35,7 @@ NEED_MORE = (
     (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
     (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
     (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "fmu"),
+    (("explore", "lugre"), "plot"),
     (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "plot"),
 )
 

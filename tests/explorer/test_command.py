@@ -8,7 +8,6 @@ from pathlib import Path
 from stribeck import examples
 from stribeck.laws import builtin
 from tests.cli.conftest import stribeck  # noqa: F401
-from tests.cli.test_extras import commands
 
 
 def test_the_page_stands_alone_and_is_small(built, data):
@@ -46,9 +45,3 @@ def test_a_law_in_a_file_is_seen_from_the_working_directory(stribeck, tmp_path, 
     monkeypatch.chdir(tmp_path)
     process = stribeck("explore", "mylaw.py:RootLuGre", "--law", "lugre", "--out", "page.html")
     assert (process.status, process.err) == (0, "")
-
-
-def test_a_missing_extra_is_one_line(tmp_path):
-    ((status, _, error),) = commands(tmp_path, ("explore", "lugre"), blocked=("bokeh",))
-    assert status == 2
-    assert error == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"
