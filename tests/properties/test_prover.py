@@ -170,10 +170,9 @@ def test_verdicts_can_be_pickled():
     assert again["passive"].certificate == result["passive"].certificate
 
 
-def test_the_verdict_does_not_depend_on_time():
-    law = stribeck.law("lugre_majorant", TABLE_1, k_v=1e7)
-    assert check(law).to_dict() == check(law).to_dict()
-    assert all(v.holds in (None, False) for v in check(law, work=0.0).properties.values())
+def test_nothing_is_proved_without_work():
+    verdicts = check(stribeck.law("lugre_majorant", TABLE_1, k_v=1e7), work=0.0).properties.values()
+    assert all(v.holds in (None, False) for v in verdicts)
 
 
 def test_a_function_of_a_function_whose_value_has_a_divisor():

@@ -130,7 +130,7 @@ def test_a_table_of_the_compensation(tmp_path):
     assert np.abs(F - 0.8 * steady).max() <= 0.02 * F.max()
 
 
-def test_a_continuous_controller_needs_a_sample_time():
-    scenario = stage("measured", sampling=None)
+def test_a_continuous_controller_says_how_its_export_is_simulated():
     assert block_of(stage("reference", sampling=None), "compensator").step == 0  # no state, no sample
-    assert "to simulate the exported one, set sampling = " in block_of(scenario, "controller", step=1e-3).notes()[0]
+    sampled = block_of(stage("measured", sampling=None), "controller", step=1e-3)
+    assert "to simulate the exported one, set sampling = " in sampled.notes()[0]
