@@ -71,7 +71,7 @@ def better(
         if static is None:
             raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
         return replace(static, notes=(*static.notes, *notes))
-    name, best = min(fits, key=lambda each: _bic(each[1]))
+    name, best = fits[_of_least_bic([fit for _, fit in fits])]
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
         other, leaves, but = f"the best static law ({static.law_name})", left, ""
@@ -106,14 +106,19 @@ def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: 
     if fit.stopped or options.alone or not fit.late:
         return fit
     later = simulated(log, name, replace(options, term=(*options.term, "delay")), part(progress, 2, 3))
-    return later if later.stopped or _bic(later) < _bic(fit) else fit
+    return later if later.stopped else (fit, later)[_of_least_bic([fit, later])]
 
 
-def _bic(fit: Simulated) -> float:
-    """The BIC of the force along the measured motion; rows with correlated residuals count once."""
-    r = fit.residual
-    rows = len(r) / rows_together(r)
-    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.model.first) * np.log(rows))
+def _of_least_bic(fits: Sequence[Simulated]) -> int:
+    """The fit with the least BIC of the force along the measured motion.
+
+    Rows with correlated residuals count once, and as many for each fit, as BIC compares models of the same data.
+    """
+    rows = min(len(fit.residual) / rows_together(fit.residual) for fit in fits)
+    left = [max(float(np.mean(fit.residual**2)), 1e-300) for fit in fits]
+    return int(
+        np.argmin([rows * np.log(x) + len(fit.model.first) * np.log(rows) for x, fit in zip(left, fits, strict=True)])
+    )
 
 
 def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
