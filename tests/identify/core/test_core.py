@@ -250,10 +250,6 @@ def test_within_a_smooth_sign_a_speed_is_seen_in_part():
 
 
 def test_a_form_is_named_in_words():
-    """Every form of a record with a position, a load and reversals; another text stays as it is."""
-    lib = library(record_of(rows_of(record(1)), ("offset",), {}), SteadyCurve("stribeck", {}, ()))
-    for name in {form for k, (form, _) in lib.name.items() if k >= lib.first_form}:
-        assert in_words(name) != name, name
     assert in_words("growth 3.0") == "friction that grows with the speed to the power 3"
     assert in_words("bend 0.05 square") == "a friction peak below 5 % of the top speed"
     assert in_words("clock drift of the force") == "clock drift of the force"
