@@ -31,7 +31,7 @@ def model_lines(fit: LogFit) -> list[str]:
     growth = [_product(n) for n in term_names if TERMS[n].level]
     lines += [f"{level} grows by {' + '.join(growth)}" for level in ("F_c", "F_s") if growth and level in fit.values]
     if fit.values.get("delay"):
-        lines.append("the motion is that of delay later, as it is measured late")
+        lines.append("force: at t, of the motion measured at t + delay")
     given = {n: x for n, x in fit.values.items() if n in fit.given and n in law.constants()}
     lines += [each.text for each in equations(law, form_of(law, given))]
     letters = {"v", *(["z"] if law.has_z else []), *(TERMS[n].factor for n in term_names)}

@@ -76,9 +76,9 @@ def write(
 
 
 def _sentence(text: str) -> str:
-    """The text with a capital, unless it begins with the name of a file or a parameter, and with a full stop."""
-    first = text.split(" ", 1)[0].rstrip(",:;")
-    begun = text if re.search(r"\w[_./]\w", first) else f"{text[:1].upper()}{text[1:]}"
+    """The text with a capital, unless it begins with the name of a file, a parameter or a law, and with a full stop."""
+    first = text.split(" ", 1)[0].rstrip(":;")
+    begun = text if re.search(r"\w[_./]\w|,$", first) else f"{text[:1].upper()}{text[1:]}"
     return begun + ("" if text.endswith((".", "!", "?", ":")) else ".")
 
 
