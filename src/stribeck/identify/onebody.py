@@ -127,10 +127,13 @@ class Simulated:
 
     @property
     def late(self) -> bool:
-        """Whether a delay is among the effects that explain the residual best, and neither fitted nor given."""
+        """Whether a delay is among the effects that explain the residual best, and neither fitted nor given.
+
+        Bristles with a damping below 0 would explain a late force as well: it stays at its bound.
+        """
         if "delay" in self.model.given:
             return False
-        choice = regressed(self.best.problem.without_whitening(), self.best.u)
+        choice = regressed(self.best.problem.without_whitening(), self.best.u, at_bound=False)
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), alone=False)
         return self.model.path("delay") in choice.library.models[k][1]
 

@@ -159,14 +159,17 @@ class MachineLibrary(ModelLibrary):
 
 
 def regressed(
-    problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None, under_guide: UnderGuide | None = None
-) -> Selection[MachineLibrary]:
+    problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None, under_guide: UnderGuide | None = None,
+    at_bound: bool = True,
+) -> Selection[MachineLibrary]:  # fmt: skip
     """The law alone and its models with forms, linearized at a converged point.
 
     ``words`` as of :class:`Logs`; ``under_guide``: of a second estimate, the coordinates and their deviations. Without it,
-    known errors are left out: the models can be compared, and have no intervals.
+    known errors are left out: the models can be compared, and have no intervals. ``at_bound``: whether parameters at a
+    bound are coordinates, which pass it; else they stay there.
     """
-    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
+    inside = (problem.low < u) & (u < problem.high) | at_bound
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance and inside[i]]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     sought, scale = _linear(problem, u, asked)
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
