@@ -75,9 +75,3 @@ def test_verify_notes_what_has_no_certificate(stribeck, tmp_path):
     assert "--verify: passive: not verified" in stribeck(*law, "--verify").err
     assert "--verify" not in stribeck(*law).err
     assert "--verify" not in stribeck("check", "lugre", "--parameters", "canudas1995", "--verify").err
-
-
-def test_a_claim_of_a_law_without_z_is_proved(stribeck, tmp_path):
-    process = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
-    assert json.loads(process.out)["properties"]["passive"]["holds"] is True
-    assert "refuted" not in process.err

@@ -46,6 +46,12 @@ def test_files_that_are_none_are_refused(name, tmp_path):
         read(tmp_path / name, ColumnNames(NAMES))
 
 
+@pytest.mark.parametrize(("named", "more"), [("load", ["position", "velocity"]), ("velocity", []), ("position", [])])
+def test_required_columns_that_are_not_named_are_those_called_so(named, more):
+    table = dict.fromkeys(("time", "position", "velocity", "force", "pressure", "a"), T)
+    assert set(read(table, ColumnNames({named: "a"}))) == {"time", "force", named, *more}
+
+
 def _noisy(rng, n=3000):
     t = np.arange(n) * 1e-3
     return {"time": t, "position": np.sin(6 * t), "force": rng.standard_normal(n)}

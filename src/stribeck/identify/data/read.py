@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -70,15 +70,19 @@ def beside(path: Path) -> ColumnNames:
     return ColumnNames(names, units, gain)
 
 
-def named_in(source: Source, columns: ColumnNames) -> ColumnNames:
+def named_in(source: Source, columns: ColumnNames, needs_force: bool = True) -> ColumnNames:
     """The columns of a file, completed by the TOML file beside it and then by the file's own row of units.
 
-    If no column is named, those that are called like their role are taken; a command only if it is named.
+    If no column is named, those that are called like their role are taken, else those of them that a fit requires; a command
+    only if it is named.
     """
     if isinstance(source.path, Path):
         columns = columns.over(beside(source.path))
-    if not columns.names:
-        columns = replace(columns, names={role: role for role in UNITS if role in source.names and role != "command"})
+    taken = set(UNITS) - {"command"}
+    if columns.names:
+        motion = {"position", "velocity"}
+        taken = {"time", "force", *(motion if motion.isdisjoint(columns.names) else ())} if needs_force else {"time"}
+    columns = columns.over(ColumnNames({role: role for role in UNITS if role in source.names and role in taken}))
     if not isinstance(source.path, Path):
         return columns
     stated = {
@@ -101,7 +105,7 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
         InputError: a file or column is missing or not numeric, or a unit is unknown; a line for each problem.
     """
     source = opened(data)
-    return read_named(source, named_in(source, columns), needs_force)
+    return read_named(source, named_in(source, columns, needs_force), needs_force)
 
 
 def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
