@@ -55,16 +55,6 @@ def pushed():
     return logged(result, force[::8][: len(result.t)], 1e-7, 1e-4)
 
 
-def test_every_parameter_of_lugre_is_found(full):
-    fit = fitted(full, mass=0.0)
-    assert fit.unidentified == ()
-    for name, truth in rig.TRUTH.items():
-        assert fit[name].value == pytest.approx(truth, rel=0.02), name
-        assert fit[name].low < truth < fit[name].high, name
-    noise = 0.1 / np.sqrt(np.mean(full.force**2))
-    assert fit.relative_force_error == pytest.approx(noise, rel=0.05)
-
-
 def test_ranges_hold_where_the_stribeck_curve_is_another():
     """A curve of exponent 1 put sigma_2 at its lower bound. Along a measured motion no form of friction was tried, so that
     F_c was identified beside its truth; and sigma_2, by its logarithm, had no upper end."""

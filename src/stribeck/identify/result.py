@@ -272,7 +272,8 @@ class LogFit(Fit):
         missing = {n: e for n, e in self.of_law.items() if not (e.usable or guessing or n in accept)}
         if missing:
             raise InputError([
-                f"{n}: {e.state}{f': {e.why}' if e.why else ''}; {arg('accept')} takes it as it is; {e.experiment}"
+                f"{n}: {e.state}{f': {e.why}' if e.why else ''}; {arg('accept')} takes it as it is"
+                f"{f'; measure {e.experiment}' if e.experiment else ''}"
                 for n, e in missing.items()
             ])  # fmt: skip
         kind = laws.find(self.law_name)

@@ -79,15 +79,16 @@ def _numbers(
     ]
 
 
-def _open(parameters: Mapping[str, Estimate]) -> list[str]:
+def _open(parameters: Mapping[str, Estimate], act: str = "") -> list[str]:
     """The estimates that are not identifiable, or bounds: a line for each, with the reason and the experiment.
 
-    Those that no experiment would determine come first: the reason is all that a reader has.
+    Those that no experiment would determine come first: the reason is all that a reader has. ``act``: the
+    verb of the experiments, unless they have their own.
     """
     lines = [
         (
             bool(e.experiment),
-            f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}",
+            f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {act}{e.experiment}' if e.experiment else ''}",
         )
         for n, e in parameters.items()
         if e.why or e.experiment
@@ -130,7 +131,7 @@ def of_log(fit: LogFit) -> Document:
     others = {c["name"]: c["relative_force_error"] for c in alike}
     notes, in_table = fit.notes, [e.advice(n) for n, e in fit.parameters.items()]
     if fit.method == "dynamic" and fit.status != "stopped":
-        in_table = _open(fit.parameters)
+        in_table = _open(fit.parameters, "measure ")
         notes = (*notes, *in_table)
     of_data = fit.log.quality if fit.log else ()  # on a page they stand in the chapter on the data
     notes, in_table = (*notes, *of_data), [*in_table, *of_data]
