@@ -31,6 +31,7 @@ _TURNED = 0.3  # rad: over a smaller range, a weight acts as a constant
 _SMOOTHING = (".k_v", ".z_ba")  # parameters of the model, not of the machine
 _FAINT = 1e-9  # relative square of what a column adds to others: below it lies the rounding of an interpolated motion
 _HALF = 0.5  # of a fixed number, to either side: bounds of its coordinate
+_BY = "level by "  # begins the name of friction that grows with another force of the machine
 _IN_WORDS = {  # what only the forward fit has
     "offset": "a constant force", "level by direction": "a friction level that differs by direction",
     "level by turn": "a friction level that changes with the angle",
@@ -152,7 +153,9 @@ def _friction(problem: MachineProblem, u: Array, motion: RunMotion, words: Mappi
 def _form(contact: str, term: str, slopes: Array, at: AtSpeed | None, words: Mapping[str, str]) -> MissingForm:
     """A friction term as a form."""
     kind = term.removesuffix(" sin").removesuffix(" cos")
-    text = _IN_WORDS.get(kind) or in_words(kind).replace("level by ", "friction that grows with ")
+    text = _IN_WORDS.get(kind) or in_words(kind)
+    if text == kind and kind.startswith(_BY):
+        text = f"friction that grows with {kind.removeprefix(_BY)}"
     of = "the friction" if contact in words else f"{contact}.F"
     label = words.get(contact, f"{contact}: ") + text
     return MissingForm(f"{contact}: {kind}", slopes, UNNOTICED, _of_friction(text, of), label, contact, at)
@@ -240,7 +243,7 @@ def _terms(
             further[f"level by turn {name}"] = grown(further[f"weight {name}"])
     for name in motion.runs[0] if not table.get("loads") else ():  # otherwise the machine declares its growth
         if name.endswith(_FORCES) and not problem.of_guide(name) and np.ptp(abs(motion.runs[0][name])) > 0:
-            further[f"level by {name}"] = grown([abs(x) for x in motion.each(name)])
+            further[_BY + name] = grown([abs(x) for x in motion.each(name)])
     for name, rows in further.items():
         yield name, rows, None
 

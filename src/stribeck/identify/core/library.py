@@ -26,12 +26,12 @@ def seen_speeds(speeds: Array, counts: Array | None = None) -> tuple[float, floa
     """The speeds of the levels: the slowest, the fastest, their geometric mean, and half of the fastest.
 
     Args:
-        counts: the weight of each speed; all alike unless given.
+        counts: the weight of each speed; all alike unless some is above 0.
     """
     order = np.argsort(speeds)
-    counts = np.ones(len(speeds)) if counts is None else counts[order]
+    counts = counts[order] if counts is not None and counts.any() else np.ones(len(speeds))
     below = np.cumsum(counts) - counts
-    slow, fast = np.interp(SEEN, below / below[-1], speeds[order]).tolist()
+    slow, fast = np.interp(SEEN, below / max(below[-1], 1e-300), speeds[order]).tolist()
     return slow, float(np.sqrt(slow * fast)), 0.5 * fast, fast
 
 
