@@ -118,9 +118,16 @@ class MachineLibrary(ModelLibrary):
         return next(x.largest for x in self.forms if x.name == form) * float(self.unit[self.groups[form][0]])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
-        """The range between its bounds as the scale of a parameter that may be 0."""
-        c = next((c for c in self.sought if c.name == name), None)
-        return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
+        """For a number that may be 0: where it moves the outputs as much as the number by ratio that moves them most.
+
+        It is at most the range between its bounds.
+        """
+        i, c = next(((i, c) for i, c in enumerate(self.sought) if c.name == name), (0, None))
+        if c is None or not c.low <= 0.0 <= c.high:
+            return None, False
+        moved = np.sqrt(np.einsum("bii->i", self.gram))[1 : 1 + self.k]
+        largest = max((x for x, other in zip(moved, self.sought, strict=True) if other.logarithmic), default=moved[i])
+        return (c.high - c.low) * min(float(largest / max(moved[i], 1e-300)), 1.0), True
 
     def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Clip estimates to their bounds, and withhold those whose interval is outside.
