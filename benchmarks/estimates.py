@@ -56,13 +56,11 @@ def usable(name: str, e: Estimate) -> bool:
 def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
     """Each estimate with a truth: whether its interval and its range hold, its state, and how wide it is."""
     for kind in records.OTHER_KINDS if family == "other" else [family]:
-        friction: Any = None
         if family == "other":
-            what, (columns, truth, _) = kind, records.other_record(kind, seed)
+            what, (columns, truth, _), friction = kind, records.other_record(kind, seed), None
         else:
-            of = getattr(records, family)
-            what, columns, truth, friction = of(seed)
-        log = read_log(columns, ColumnNames(NAMES))
+            what, columns, truth, friction = getattr(records, family)(seed)
+        log = read_log(columns, ColumnNames(NAMES, {"y": "rad"} if what == "worm" else {}))  # an arm's weight turns
         for law in FAMILIES[family]:
             result, speeds = estimates(log, law)
             reported = {
@@ -173,6 +171,8 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
         own, levels = ([e for e in found if e["level"] is level] for level in (False, True))
         out |= means(own, "", "interval", "range", "usable")
         out |= means([e for e in own if e["kind"] in ("complete", "nothing")], "complete ", "interval")
+        for kind in records.OTHER_KINDS if family == "other" else ():
+            out |= means([e for e in own if e["kind"] == kind], f"{kind} ", "range", "usable")
         for name, state in (("F_s", EstimateState.AT_LEAST), ("v_s", EstimateState.AT_MOST)):
             for label in ("two-sided", state):
                 some = [e for e in own if e["name"] == name and (e["state"] == state) == (label == state)]
@@ -211,5 +211,5 @@ def benchmark(given: Given) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    tables, families = ("estimates", "agreements", "further_motions", "bounds"), [*FAMILIES, *PAIRS, *MOTIONS]
-    run(benchmark, __doc__, "estimates", *tables, families=families, first=70000, count=(20, 1))
+    tables = ("estimates", "other_kinds", "agreements", "further_motions", "bounds")
+    run(benchmark, __doc__, "estimates", *tables, families=[*FAMILIES, *PAIRS, *MOTIONS], first=70000, count=(20, 1))

@@ -242,6 +242,14 @@ def estimates(d: Any) -> Rows:
     return [*head, "half width"], [*rows, ["all whose law is complete", None, total, share, *[None] * 6]]
 
 
+def other_kinds(d: Any) -> Rows:
+    """How many ranges hold in each kind of the family ``other`` in estimates.json."""
+    c = d.get("other", {})
+    kinds = [name.removesuffix(" usable") for name in c if name.endswith(" usable")]
+    rows = [[kind, c[f"{kind} n"], percent(c[f"{kind} range"]), percent(c[f"{kind} usable"])] for kind in kinds]
+    return ["friction", "estimates", "range holds", "usable"], rows
+
+
 def agreements(d: Any) -> Rows:
     """How often the intervals of two records in estimates.json agree."""
     head = ["two records", "seeds", "pairs", "intervals agree", "median difference, in joint intervals"]
@@ -299,10 +307,10 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "controller_instructions": controller_instructions, "learning": learning, "learning_gpu": learning_gpu,
     "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
     "fit_speed": fit_speed, "estimates": estimates, "agreements": agreements, "further_motions": further_motions,
-    "bounds": bounds,
+    "bounds": bounds, "other_kinds": other_kinds,
 }  # fmt: skip
 # tables whose file has another name
-FILES = {"chains": "machines", **dict.fromkeys(("agreements", "further_motions", "bounds"), "estimates")}
+FILES = {"chains": "machines", **dict.fromkeys(("agreements", "further_motions", "bounds", "other_kinds"), "estimates")}
 
 
 def stored(file: Path) -> str:
