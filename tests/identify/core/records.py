@@ -5,16 +5,16 @@ import numpy as np
 from stribeck.identify.log import Log
 
 TRUTH = {"mass": 2.0, "F_c": 5.0, "F_s": 8.0, "v_s": 0.05, "sigma_2": 12.0, "offset": 0.7}
+RATES = (0.11, 0.31, 0.67)  # Hz
 
 
 def record(
-    seed=0, *, step=0.002, end=20.0, slow=1.0, extra=lambda t, y, v, a: 0.0, noise=0.05, way=0.1, **changed
+    seed=0, *, step=0.002, end=20.0, slow=1.0, extra=lambda t, y, v, a: 0.0, noise=0.05, way=0.1, rates=RATES, **changed
 ):  # fmt: skip
     """A log of several sines; ``extra``: a further force; ``slow``: the share of the time in slow motion."""
     draw, p = np.random.default_rng(seed), {**TRUTH, **changed}
-    t = step * np.arange(round(end / step))
-    rates, phase = (2 * np.pi * np.array([0.11, 0.31, 0.67]) * slow, draw.uniform(0, 2 * np.pi, 3))
-    waves = np.outer(t, rates) + phase
+    t, rates = step * np.arange(round(end / step)), 2 * np.pi * np.array(rates) * slow
+    waves = np.outer(t, rates) + draw.uniform(0, 2 * np.pi, len(rates))
     y = way * np.sin(waves).sum(1)
     v = way * (rates * np.cos(waves)).sum(1)
     a = -way * (rates**2 * np.sin(waves)).sum(1)

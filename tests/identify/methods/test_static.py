@@ -183,11 +183,11 @@ def test_what_hangs_on_the_filter_of_a_coarse_encoder_is_withheld():
     assert not fit["v_s"].usable
 
 
-def test_a_mass_below_zero_is_never_identified():
-    fit = stribeck.fit(record(6, mass=-2.0), "stribeck")
-    assert fit["mass"].value < 0
-    assert fit["mass"].state is not EstimateState.IDENTIFIED
-    assert any("mass is below 0" in note for note in fit.notes)
+def test_a_mass_that_may_contain_a_spring_says_so_and_is_not_identified_below_zero():
+    several, below, one = (stribeck.fit(record(6, **of), "stribeck") for of in ({}, {"mass": -2.0}, {"rates": (0.67,)}))
+    assert [any("mass may contain it" in n for n in fit.notes) for fit in (several, below, one)] == [False, True, True]
+    assert below["mass"].value < 0
+    assert below["mass"].state is not EstimateState.IDENTIFIED
 
 
 def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():

@@ -18,6 +18,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
+from stribeck.identify.core.library import UNNOTICED
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import roughness, smoother_log
 from stribeck.identify.features.guess import steady_curve
@@ -294,6 +295,13 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     return {**values, "sigma_2": max(values["sigma_2"], 0.0), "deviation": left}
 
 
+def _at_one_frequency(choice: Selection[SteadyLibrary]) -> bool:
+    """Whether the acceleration is proportional to the position, as is the force of a spring."""
+    record = choice.library.record
+    y, a = (x - np.mean(x) for x in map(record.column, (record.log.position, record.log.acceleration)))
+    return bool((y @ a) ** 2 > (1 - UNNOTICED**2) * (y @ y) * (a @ a))
+
+
 def _notes(
     choice: Selection[SteadyLibrary],
     estimates: Mapping[str, Estimate],
@@ -311,9 +319,9 @@ def _notes(
     out += [f"The column {n} was not used, as {why}: give {MEASURED[n]} with --set." for n, why in unused.items()]
     if differ := [n for n, e in estimates.items() if e.files_differ]:
         out.append(f"The files differ in {', '.join(differ)}: fit each file by itself, or give more files.")
-    if "mass" in estimates and estimates["mass"].interval[1] < 0:
+    if "mass" in estimates and (estimates["mass"].interval[1] < 0 or _at_one_frequency(choice)):
         out.append(
-            "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
+            "At a single frequency, a spring or weight cannot be separated from mass: the estimated mass may contain it."
         )
     out += dependences(estimates)
     out += [text for name, e in estimates.items() if (text := e.advice(name))]
