@@ -47,13 +47,9 @@ def valley(steep):
     return Problem(lambda x, y: (1 - x, steep * (y - x**2)))
 
 
-def test_a_bent_valley_is_followed_in_a_few_steps():
+def test_a_bent_valley_is_followed_in_a_few_steps_to_its_end():
     """Steps of Levenberg and Marquardt alone creep along it, and are not through after 300."""
-    result = search(valley(1e2), steps=5)
-    assert result.u == pytest.approx([1.0, 1.0], abs=1e-3)
-
-
-def test_the_last_steps_go_to_the_end_of_a_steep_valley():
+    assert search(valley(1e2), steps=5).u == pytest.approx([1.0, 1.0], abs=1e-3)
     assert settled(valley(1e4), np.array([0.0, 0.0])) == pytest.approx([1.0, 1.0], abs=0.25)
 
 
@@ -88,6 +84,13 @@ def test_exact_slopes_would_move_no_number():
     exact = (4 * nearer - near) / 3
     assert spread(J, width) == pytest.approx(spread(exact, width), rel=1e-3)
     assert np.all(abs(left_step(problem, u, r, J) - left_step(problem, u, r, exact)) < 0.02 * spread(exact, width))
+
+
+def test_jumps_of_a_rounded_encoder_are_no_slopes():
+    t = np.linspace(0, 6, 400)[:, None]
+    problem = Problem(lambda x, y: tuple(np.sin(t) * x + np.cos(t) * y + 0.03 * np.sign(np.sin(1e7 * x + t))))
+    problem.size = len(t)
+    assert np.linalg.norm(fine_slopes(problem, np.ones(2))[:, 0]) < 2 * np.linalg.norm(np.sin(t))
 
 
 @pytest.mark.parametrize("by", [(), [1]])

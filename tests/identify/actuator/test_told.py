@@ -147,9 +147,12 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     assert BestPoint(problem, bad, False, [], guides).missed() == ["a.y: cannot be simulated with the best values"]
 
 
-def test_known_masses_may_differ_in_a_recording_that_is_advised():
+def test_known_masses_and_drives_but_no_guides_may_differ_in_a_recording_that_is_advised():
     scenario = Scenario(body(mass=3.0))
     reported = dict(advise._loads(SimpleNamespace(sought=[]), SimpleNamespace(scenario=scenario)))
     assert reported["with bodies.a.mass = 6 (it is 3)"] == {"bodies.a.mass": 6.0}
     sought = MachineCoordinate("bodies.a.mass", 1.0, 9.0, targets={"bodies.a.mass": 1.0})
     assert not list(advise._loads(SimpleNamespace(sought=[sought]), SimpleNamespace(scenario=scenario)))
+    run = SimpleNamespace(scenario=scenario)
+    others = [advise._drives(SimpleNamespace(of_guide=lambda _, x=x: x), run) for x in (False, True)]
+    assert [any("loads.push" in words for words, _ in drives) for drives in others] == [True, False]

@@ -29,16 +29,13 @@ def coordinate(name, output=None):
 
 
 @pytest.mark.parametrize(("data", "units"), [(body(), OF_BODY), (arm(), OF_ARM)], ids=["body", "arm"])
-def test_a_number_of_the_machine(data, units):
+def test_a_number_of_the_machine_or_of_a_sensor(data, units):
     scenario = Scenario(data)
     assert {name: unit(scenario, coordinate(name)) for name in units} == units
     assert unit(scenario, coordinate("bodies.nobody.mass")) == ""
-
-
-@pytest.mark.parametrize("what", OF_SENSOR)
-def test_a_number_of_a_sensor(what):
-    results = [unit(Scenario(x), coordinate("s", (f"{n}.y", what))) for x, n in ((body(), "a"), (arm(), "arm"))]
-    assert results == list(OF_SENSOR[what])
+    name = next(iter(data["bodies"]))
+    of_sensor = {what: unit(scenario, coordinate("s", (f"{name}.y", what))) for what in OF_SENSOR}
+    assert of_sensor == {what: texts[name == "arm"] for what, texts in OF_SENSOR.items()}
 
 
 def test_an_angle_that_begins_anew_after_each_turn_goes_on(tmp_path):

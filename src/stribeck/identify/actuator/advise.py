@@ -152,7 +152,7 @@ def candidates(problem: MachineProblem, run: RecordedRun) -> Iterator[tuple[str,
 
 def _changed(problem: MachineProblem, run: RecordedRun) -> Iterator[tuple[str, RecordedRun]]:
     """The recording with each change that the machine can take."""
-    for words, changes in [*_loads(problem, run), *_drives(run)]:
+    for words, changes in [*_loads(problem, run), *_drives(problem, run)]:
         try:
             yield words, replace(run, scenario=run.scenario.with_changes(changes))
         except InputError:
@@ -170,11 +170,11 @@ def _loads(problem: MachineProblem, run: RecordedRun) -> Iterator[tuple[str, dic
                 yield f"with {path} = {factor * now:.3g} (it is {now:.3g})", {path: factor * now}
 
 
-def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
+def _drives(problem: MachineProblem, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """The recording with a changed amplitude or speed of its drives."""
     for use in run.scenario.elements.signals:
         table = entry_at(run.scenario.data, use.path)
-        if not isinstance(table, dict):
+        if not isinstance(table, dict) or problem.of_guide(use.path):
             continue
         name = use.path.removesuffix(".signal")
         for factor, words in ((2.0, "twice"), (0.5, "half")):

@@ -19,7 +19,8 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import RecordedRun, rms
 from stribeck.identify.core.library import UNNOTICED
-from stribeck.identify.models.forms import in_words
+from stribeck.identify.models.forms import WIDTHS, in_words
+from stribeck.identify.models.over_position import direction_within, travel
 from stribeck.scenario.changes import unused_prefix
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
@@ -237,6 +238,13 @@ def _terms(
         "uneven slope": [abs(x) for x in w], "spring": d, "level by position": grown(d),
         "level by time": grown(motion.each("t")),
     }  # fmt: skip
+    if not scenario.elements.laws[path].has_z:  # presliding, which other laws have
+        way = max(travel(x, v) for x, v in zip(d, w, strict=True))
+        for width in WIDTHS if way > 0 else ():
+            further[f"play {np.format_float_positional(width)}"] = [
+                abs(x) * direction_within(z, v[0], (v[1] - v[0]) / (t[1] - t[0]), width * way) - x
+                for x, z, v, t in zip(level, d, w, motion.each("t"), strict=True)
+            ]
     if scenario.system.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
         for name, wave in (("sin", np.sin), ("cos", np.cos)):
             further[f"weight {name}"] = [wave(x) for x in d]

@@ -15,39 +15,39 @@ _MOST_CELLS = 1 << 17  # a transform of so many takes some milliseconds
 _FINER = 4  # points of the spectrum within the width of a peak: its top lies 3 % below the true one at most
 
 
-def travel(log: Log) -> float:
+def travel(position: Array, velocity: Array) -> float:
     """The travel between reversals: half of the total travel is in longer strokes."""
-    moving = np.flatnonzero(np.sign(log.velocity))
-    turn = moving[1:][np.diff(np.sign(log.velocity[moving])) != 0]
-    ways = np.sort(abs(np.diff(log.position[turn]))) if len(turn) > 1 else np.array([np.ptp(log.position)])
+    moving = np.flatnonzero(np.sign(velocity))
+    turn = moving[1:][np.diff(np.sign(velocity[moving])) != 0]
+    ways = np.sort(abs(np.diff(position[turn]))) if len(turn) > 1 else np.array([np.ptp(position)])
     gone = np.cumsum(ways)
     return float(ways[np.searchsorted(gone, 0.5 * gone[-1])])
 
 
 def direction_along(log: Log, way: float) -> Array:
+    """Which part of the friction has which direction in each run of a record, see :func:`direction_within`."""
+    first = [(run, float(log.velocity[run.start]), float(log.acceleration[run.start])) for run in log.runs()]
+    return np.concatenate([direction_within(log.position[run], v, a, way) for run, v, a in first])
+
+
+def direction_within(y: Array, v: float, a: float, way: float) -> Array:
     """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.
 
     Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two
     reversals of the position it is known in closed form, so that only these are gone through one by one.
+
+    Args:
+        y: the position; ``v``, ``a``: the first speed and acceleration. A body that speeds up came back a while ago, by
+            its acceleration v^2/(2 a) before.
     """
-    share = np.empty(len(log))
-    for run in log.runs():
-        y = log.position[run]
-        turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
-        first = np.concatenate([[0], turns])
-        at = y[first].tolist()
-        state = [_at_start(float(log.velocity[run.start]), float(log.acceleration[run.start]), way)]
-        for before, now in pairwise(at):
-            state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
-        part = np.searchsorted(turns, np.arange(len(y)), side="right")
-        share[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
-    return share
-
-
-def _at_start(v: float, a: float, way: float) -> float:
-    """The state in which a run begins: a body that speeds up came back a while ago, by its acceleration v^2/(2 a) before."""
     since = 0.5 * v * v / abs(a) if v * a > 0 else way
-    return float(np.sign(v)) * min(2 * since / way - 1, 1.0)
+    state = [float(np.sign(v)) * min(2 * since / way - 1, 1.0)]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
+    first = np.concatenate([[0], turns])
+    for before, now in pairwise(y[first].tolist()):
+        state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
+    part = np.searchsorted(turns, np.arange(len(y)), side="right")
+    return np.asarray(np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0))
 
 
 def ripple_range(log: Log, q: int) -> tuple[float, float] | None:

@@ -324,7 +324,8 @@ def anchor(record: Record, curve: SteadyCurve, shape: Mapping[str, float], speed
     columns = transmission.behind_filter(late)
     x = np.asarray(np.linalg.lstsq(columns, record.force, rcond=RANK)[0], float)
     residual = record.force - columns @ x
-    basis, way = np.linalg.qr(columns / np.maximum(np.max(abs(columns), axis=0), 1e-300))[0], travel(log)
+    basis = np.linalg.qr(columns / np.maximum(np.max(abs(columns), axis=0), 1e-300))[0]
+    way = travel(log.position, log.velocity)
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     seen = seen_speeds(abs(v[record.at]))
