@@ -286,7 +286,7 @@ def _tables(model: OneBody) -> dict[str, object]:
 def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
     """One run of the log as a recording of the machine."""
     part, t = log.rows(rows), log.step * np.arange(rows.stop - rows.start)
-    name = log.files[number] if number < len(log.files) else f"run {number}"
+    name = log.files[log.run[rows.start]] if log.files else f"run {number}"
     inputs = {"loads.force.signal": Channel("force", t, part.force, smooth=True)}
     at = t - model.sign("delay") * model.given.get("delay", 0.0)  # of the output, by the clock of the drive
     output = Channel(model.output, at, raw(part, model.output))

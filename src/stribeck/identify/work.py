@@ -38,7 +38,7 @@ class Work:
         self._stop = threading.Event()
 
     def section(self, end: float) -> None:
-        """A context whose work goes from the share done to ``end``."""
+        """Begin a section of the work, from the share done to ``end``."""
         self._start, self._end, self._ticks = max(self.share, self._end), end, 0
         self.done(0.0)
 
@@ -69,7 +69,7 @@ class Work:
             raise Stopped
 
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
-        """``what`` of each on all cores, or many at once if a cluster solves the lanes.
+        """``what`` of each on all cores.
 
         After Ctrl-C the remaining ones are None.
         """

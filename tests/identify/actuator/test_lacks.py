@@ -208,6 +208,8 @@ def test_a_term_adds_to_the_friction_of_a_measured_motion():
     F = TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v
     y = np.concatenate([[0.0], np.cumsum((v[1:] + v[:-1]) / 2 * STEP)])
     run = Recording("run", T, {"joint.F": Channel("F", T, F, beside={"weight": 3 * y})})
+    of_sensors = problem_of(scenario, [(0, run)], sought[-2:], {"joint.F": NOISE})
+    assert np.isfinite(of_sensors.residuals(of_sensors.start()[None])).all()  # nothing of the machine is sought
     result = slopes(problem_of(scenario, [(0, run)], sought, {"joint.F": NOISE}))
     drag = v * abs(v) * np.sqrt(np.mean(F**2) / np.mean((v * abs(v)) ** 2)) / NOISE
     assert np.allclose(result["joint: growth 2.0", 0], drag, atol=1e-2 * abs(drag).max())

@@ -204,8 +204,10 @@ def test_a_level_that_one_direction_does_not_tell_from_the_offset_is_not_blown_u
 
 
 def test_stretches_of_a_long_record_belong_to_its_files():
+    """The first file's only run was shorter than the settling of the filter: it has a name, and no rows."""
     log = record()
-    both = log.with_columns(run=(np.arange(len(log)) > len(log) // 3).astype(np.int32), files=("a.csv", "b.csv"))
+    run = 1 + (np.arange(len(log)) > len(log) // 3).astype(np.int32)
+    both = log.with_columns(run=run, files=("lost.csv", "a.csv", "b.csv"))
     stretches = shortened(both, len(log) // 3)
     at = [int(np.searchsorted(log.time, stretches.time[rows.start])) for rows in stretches.runs()]
     assert list(stretches.files) == ["a.csv" if i <= len(log) // 3 else "b.csv" for i in at]

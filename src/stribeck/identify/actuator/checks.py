@@ -1,4 +1,4 @@
-"""Detects errors in a recording: gaps, columns that end early, units, signs, clocks."""
+"""Detects errors in a recording: gaps, columns that end early, units, signs."""
 
 from __future__ import annotations
 

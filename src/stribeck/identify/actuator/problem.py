@@ -135,9 +135,9 @@ class MachineProblem:
             values |= {path: scale * x for path, scale in c.targets.items()}
             sensors |= {c.output: x} if c.output is not None else {}
         if not values:  # parallel simulation needs at least one number by lane: an unchanged one
-            name = next(x.name for x in run.scenario.system.bodies if x.free)
-            path, now = f"bodies.{name}.initial.y", run.scenario.elements.initial.get(f"{name}.y", 0.0)
-            values = {path: np.full(len(U), run.start.get(path, now))}
+            elements = run.scenario.elements
+            path, place = next(x for x in run.scenario.places.items() if x[1] in elements.values)
+            values = {path: np.full(len(U), elements.values[place])}
         none = np.zeros(len(U))
         delays = {
             column: (sensors.get((column, "delay"), none), sensors.get((column, "clock"), none))

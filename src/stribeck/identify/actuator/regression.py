@@ -101,7 +101,7 @@ class MachineLibrary(ModelLibrary):
         out = {c.name: c.outer(z) for c, z in zip(self.sought, at.tolist(), strict=True)}
         level = self.friction.values + self.friction.slopes @ x[: self.k]
         for place, column in enumerate(self.index(model)[self.k :], self.k):
-            if column in self.friction.of_forms and place < len(x):
+            if column in self.friction.of_forms:
                 level = level + x[place] * self.friction.of_forms[column]
                 if column in self.friction.static:
                     name, height = self.friction.static[column]

@@ -3,7 +3,7 @@
     interval^2 = C^2 + A^2 + M^2        range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
 
 C is the covariance. A is the shift if the choice is repeated on resampled blocks. M is the shift if the motion is filtered at
-a lower cut-off frequency. B is the shift on resampled blocks with a random half of the forms withheld. H is the shift by
+a lower cut-off frequency, or the step that a search has left. B is the shift on resampled blocks with a random half of the forms withheld. H is the shift by
 forms that the record does not show: as small as noise, or as large as what the model leaves unexplained.
 """
 
@@ -34,8 +34,8 @@ def judged(
 
     Args:
         draws: replicates.
-        lower: the estimates with half the squared cut-off frequency. This doubles the filter's bias, so their shift is the
-            bias of the reported estimates.
+        lower: other estimates, whose shift is M: with half the squared cut-off frequency, which doubles the filter's bias; or
+            at the end of the step that a search has left.
         trusted: whether the model describes all measured columns; if not, nothing is identified.
     """
     lib, i = choice.library, choice.library.index(choice.model)

@@ -63,7 +63,7 @@ def _try_beside(
         of_form = total[b_i[w][:, None], b_i[w]] - np.einsum("mip,miq->mpq", b[:, :, w], y[:, :, w])
         of_form[:, range(len(w)), range(len(w))] += DEAD * diag[w]
         gain = np.einsum("mp,mp->m", share[:, w], np.linalg.solve(of_form, share[:, w, None])[..., 0])
-        after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault >= IMPOSSIBLE, fault, 1.0), np.inf)
+        after = np.where(ok, np.maximum(sse - gain, 1e-12 * force) * np.where(fault >= IMPOSSIBLE, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
         cost = float(np.log(after.min())) + COST * sum(len(lib.groups[h]) for h in new)
         if np.isfinite(cost) and (key not in tried or cost < tried[key][0]):

@@ -34,8 +34,8 @@ class Estimate:
         state: "identified", "model-dependent", "not identifiable", "at least" or "at most".
         unit: unit of the value, SI.
         depends_on: for a model-dependent estimate, the form that widens the range.
-        parts: half widths by cause: C covariance, A choice of forms, B forms excluded at random, H forms that this motion
-            does not excite.
+        parts: half widths by cause: C covariance, A choice of forms, M filter or search, B forms excluded at random, H forms
+            that this motion does not excite.
         files_differ: whether it is not identifiable because the files differ.
         why, experiment: if it is not identifiable, the missing information and the motion that provides it.
     """

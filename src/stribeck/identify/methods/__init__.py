@@ -1,1 +1,1 @@
-"""Methods of fits: static, dynamic, motion."""
+"""Methods of fits: static laws by their columns, other laws by simulation."""

@@ -1,4 +1,4 @@
-"""Bristle laws as candidates, fitted by simulation if a log shows presliding that no static law describes."""
+"""Laws fitted by simulation as candidates: those asked for, or LuGre if a log shows presliding."""
 
 from __future__ import annotations
 

@@ -121,13 +121,13 @@ def shortened(log: Log, enough: int) -> Log:
     shares = [max(int(enough * (r.stop - r.start) / len(log)), 1) for r in runs]
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
-    for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
+    for rows, count in zip(runs, counts, strict=True):
         length = min(usual, rows.stop - rows.start)  # of one length where it can be
         if count * length >= rows.stop - rows.start:
             count, length = 1, rows.stop - rows.start
         starts = _starts(rest[rows], count, length, rows.start)
         parts += [slice(a, a + length) for a in starts]
-        owner += [number] * count
+        owner += [int(log.run[rows.start])] * count
     every = np.concatenate([np.arange(p.start, p.stop) for p in parts])
     run = np.repeat(np.arange(len(parts), dtype=np.int32), [p.stop - p.start for p in parts])
     files = tuple(log.files[i] for i in owner) if log.files else ()
@@ -249,6 +249,7 @@ def _blocks(log: Log, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[n
 
 
 def _ringing(log: Log, q: int) -> NDArray[np.bool_]:
+    """The rows at the ends of runs, and behind a thinning filter those about reversals."""
     rise = max(1, round(RISE / (log.bandwidth * log.step)) if log.bandwidth else 1)
     reach = max(rise, RINGS * q if q > 1 else 1)
     out = np.zeros(len(log), bool)
