@@ -3,8 +3,9 @@
     interval^2 = C^2 + A^2 + M^2        range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
 
 C is the covariance. A is the shift if the choice is repeated on resampled blocks. M is the shift if the motion is filtered at
-a lower cut-off frequency, or the step that a search has left. B is the shift on resampled blocks with a random half of the forms withheld. H is the shift by
-forms that the record does not show: as small as noise, or as large as what the model leaves unexplained.
+a lower cut-off frequency, or the step that a search has left. B is the shift on resampled blocks with a random half of the
+forms withheld. H is the shift by forms that the record does not show: as small as noise, or as large as what the model leaves
+unexplained.
 """
 
 from __future__ import annotations
