@@ -5,7 +5,7 @@ A file of schema 1 is the smallest machine: one body, one contact and what moves
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
@@ -243,11 +243,13 @@ class MachineSystem:
         return self.assembly(exact=True).outputs([*listed, *((name, name) for name in energies)])
 
     def output_columns(
-        self, values: Mapping[Key, Value], segment: Mapping[str, Value], t: Array, states: Mapping[str, Array]
-    ) -> dict[str, Value]:
-        """Every column by name; the arguments are those of :meth:`evaluated`."""
-        columns = self.evaluated(tuple(self.outputs.values()), values, segment, t, states)
-        return dict(zip((c.name for c in self.columns), columns, strict=True))
+        self, values: Mapping[Key, Value], segment: Mapping[str, Value], t: Array, states: Mapping[str, Array],
+        wanted: Sequence[str] = (),
+    ) -> dict[str, Value]:  # fmt: skip
+        """The ``wanted`` columns by name, all unless given; the other arguments are those of :meth:`evaluated`."""
+        names = wanted or tuple(self.outputs)
+        columns = self.evaluated(tuple(self.outputs[name] for name in names), values, segment, t, states)
+        return dict(zip(names, columns, strict=True))
 
     def evaluated(
         self, quantities: tuple[Expr, ...], values: Mapping[Key, Value], segment: Mapping[str, Value], t: Value,

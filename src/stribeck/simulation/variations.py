@@ -109,17 +109,22 @@ class Variations:
         """The changes that turn the scenario into one lane's, for :meth:`Scenario.with_changes`."""
         return {path: float(x[lane]) for path, x in self.values.items()}
 
-    def columns(self, t: Array, states: Array, held: Array) -> dict[str, Array]:
-        """The columns of the output, (lanes, times), from states and held outputs, (lanes, times, each)."""
+    def columns(self, t: Array, states: Array, held: Array, wanted: Sequence[str] = ()) -> dict[str, Array]:
+        """The columns of the output, (lanes, times), from states and held outputs, (lanes, times, each).
+
+        Args:
+            wanted: some of the columns; all unless given.
+        """
         machine, shape = self.scenario.system, states.shape[:2]
         named = {state.name: states[:, :, i] for i, state in enumerate(machine.states)}
         tables, which = self._tables
-        rows = np.stack([table.at(t) for table in tables])[which]
+        rows = np.stack([table.at(t) for table in tables])
+        rows = rows[which] if len(tables) > 1 else rows
         segment = {name: rows[:, :, i] for i, name in enumerate(machine.piece_fields)}
         segment |= {name: held[:, :, i] for i, name in enumerate((*machine.held, *machine.shown))}
         values = self._carried.values
         shaped = {key: x[:, np.newaxis] if isinstance(x, np.ndarray) else x for key, x in values.items()}
-        columns = machine.output_columns(shaped, segment, t, named)
+        columns = machine.output_columns(shaped, segment, t, named, wanted)
         return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in columns.items()}
 
     # -- inputs of the equations, a row for each lane --------------------------------------------------------------
@@ -198,8 +203,12 @@ class Variations:
         parts = {use: self._signals(use, in_pieces=True) for use in self.machine.signals}
         rows = np.stack([np.zeros(len(self), np.int64), *(which for _, which in parts.values())], axis=1)
         each, lanes = np.unique(rows, axis=0, return_inverse=True)
-        lookups = ({use: parts[use][0][i] for use, i in zip(parts, row[1:], strict=True)} for row in each)
-        return [self.machine.pieces(self.scenario.end, x) for x in lookups], np.asarray(lanes, np.int64).reshape(-1)
+        tables = []
+        for row in each:
+            signals = {use: parts[use][0][i] for use, i in zip(parts, row[1:], strict=True)}
+            own = all(signals[use] is signal for use, signal in self.machine.signals.items())
+            tables.append(self.scenario.pieces if own else self.machine.pieces(self.scenario.end, signals))
+        return tables, np.asarray(lanes, np.int64).reshape(-1)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 

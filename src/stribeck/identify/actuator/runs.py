@@ -116,7 +116,8 @@ class RecordedRun:
         width = len(scenario.system.states)
         grid = self.grid
         with np.errstate(all="ignore"):
-            columns = lanes.columns(grid, outcome.states[:, :, :width], outcome.states[:, :, width:])
+            states, held = np.split(outcome.states, [width], axis=2)
+            columns = lanes.columns(grid, states, held, [target.column for target in self.targets])
         self.attempts = int(np.max(outcome.counts["accepted"] + outcome.counts["rejected"]))
         whole = outcome.counts["status"] == 0
         for i, target in enumerate(self.targets):
