@@ -70,9 +70,9 @@ def body(how: records.Sensing, seed: int) -> Found:
 def arm(kind: str, seed: int) -> Found:
     """An arm that more than friction holds back."""
     columns, truth = records.arm(kind, seed)
-    asked: dict[str, Any] = {"terms": [name for name in TERMS if name in truth]}
+    asked: dict[str, Any] = {"term": [name for name in TERMS if name in truth]}
     if kind == "torque":
-        asked |= {"pressure": "tau", "constants": {"area": 1.0}}
+        asked |= {"pressure": "tau", "set": {"area": 1.0}}
     fit = stribeck.fit(
         columns, "lugre", time="t", position="y", force="F", method="dynamic", output="position", starts=8, **asked
     )
