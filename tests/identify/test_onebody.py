@@ -7,7 +7,7 @@ import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.force import initial_deflections, parts
 from stribeck.identify.log import Log
-from stribeck.identify.onebody import simulated
+from stribeck.identify.onebody import approached, simulated
 from stribeck.identify.options import FitOptions
 from tests.identify import rig
 
@@ -171,15 +171,15 @@ def test_a_force_that_is_late_is_told_with_its_delay_which_may_be_given():
         assert fit[name].range[0] < truth < fit[name].range[1], name
     friction, beside = parts("lugre", fit.values, late)
     assert np.std(late.force - friction - beside) == pytest.approx(0.1, rel=0.1)
-    given = simulated(late, "lugre", FitOptions(starts=1, term=("stiffness",), set={"delay": -2e-3}), rough=True)
+    given = approached(late, "lugre", FitOptions(starts=1, term=("stiffness",), set={"delay": -2e-3}))
     assert given.error == pytest.approx(fit.relative_force_error, rel=0.02)
 
 
 def test_a_late_force_is_no_bristle_damping_below_0(full):
     """The damping rested at its lower bound, and what it still lacked hid the delay: 213 % held out, `identified`."""
     late = full.with_columns(force=np.interp(full.time - 2e-3, full.time, full.force))
-    assert simulated(late, "lugre", FitOptions(starts=1), rough=True).late
-    assert not simulated(full, "lugre", FitOptions(starts=1), rough=True).late
+    assert approached(late, "lugre", FitOptions(starts=1)).late
+    assert not approached(full, "lugre", FitOptions(starts=1)).late
 
 
 def test_a_delay_that_hardly_acts_is_not_identifiable():

@@ -18,7 +18,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.api import Fitting
-from stribeck.identify.actuator.estimate import BestPoint
+from stribeck.identify.actuator.estimate import BestPoint, Estimation
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.regression import regressed
 from stribeck.identify.beyond import seen
@@ -98,12 +98,13 @@ class Simulated:
 
     Attributes:
         log: the fitted record; ``model``: given and fitted parameters.
-        fitting, best: the fit as that of a machine, and its best point.
+        fitting, estimation, best: the fit as that of a machine, and its best point so far.
     """
 
     log: Log
     model: OneBody
     fitting: Fitting
+    estimation: Estimation
     best: BestPoint
 
     @property
@@ -137,6 +138,11 @@ class Simulated:
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), alone=False)
         return self.model.path("delay") in choice.library.models[k][1]
 
+    def converged(self) -> Simulated:
+        """The fit at its optimum."""
+        with threadpool_limits(1):
+            return replace(self, best=self.estimation.best())
+
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
         with threadpool_limits(1):
@@ -145,17 +151,19 @@ class Simulated:
         return _finished(self.log, self.model, machine_fit)
 
 
-def simulated(
-    log: Log, name: str, options: FitOptions, progress: Progress | None = None, rough: bool = False
-) -> Simulated:
-    """The best point of a law's constants, and of further terms, by simulation.
+def simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> Simulated:
+    """The best point of a law's constants, and of further terms, by simulation; arguments as of :func:`approached`."""
+    return approached(log, name, options, progress).converged()
+
+
+def approached(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> Simulated:
+    """The end of the search for a law's constants, and for further terms, whose error is to be compared.
 
     Args:
         log: the record, SI units.
         name: the law's name, or FILE.py:NAME.
         options: given values, parameters to fit and the output.
         progress: called with the share done, 0 to 1.
-        rough: search only as far as the error is to be compared.
 
     Raises:
         InputError: constants are unknown, missing or not allowed; nothing moves.
@@ -164,12 +172,12 @@ def simulated(
     log = shortened(log, ENOUGH_ROWS)
     model = _model(log, name, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(runs(log))]
-    doubted = tuple(recordings if rough else _doubted(recordings, log, model))
-    logs = Logs(doubted, _sought(model, log, options), words=_words(model))
+    logs = Logs(tuple(_doubted(recordings, log, model)), _sought(model, log, options), words=_words(model))
     scenario = Scenario(_tables(model), folder=Path(), trust=True)
     fitting = Fitting(scenario, logs, options.starts, options.seed, progress, advised=False)
     with threadpool_limits(1):
-        return Simulated(log, model, fitting, fitting.estimated(rough))
+        estimation = fitting.searched()
+        return Simulated(log, model, fitting, estimation, estimation.free)
 
 
 # -- given and fitted parameters ---------------------------------------------------------------------------------------

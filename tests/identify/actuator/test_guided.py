@@ -77,11 +77,10 @@ def test_another_start_is_followed_where_more_than_noise_is_left(recording, monk
         ends.append(Reached(whole.values(u), {}, float(half_squares(whole.residuals(u[None]))[0])))
         return ends[-1]
 
-    monkeypatch.setattr(
-        search, "_compared", lambda *_: (1, Found(whole.start(), 0.0, others=(whole.point({F_C: 1.25}),)))
-    )
+    compared = 1, Found(whole.start(), 0.0, others=(whole.point({F_C: 1.25}),))
+    monkeypatch.setattr(search, "_best_starts", lambda *_: compared)
     monkeypatch.setattr(search, "_freed", end)
-    assert search.reached(2, 0, {}).values[F_C] == pytest.approx(F_c, rel=1e-5)
+    assert search.followed(search.reached(2, 0, {})).values[F_C] == pytest.approx(F_c, rel=1e-5)
     assert len(ends) == followed
 
 

@@ -9,10 +9,10 @@ import pytest
 from stribeck import Scenario
 from stribeck.identify.actuator import advise, fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
+from stribeck.identify.actuator.drawn import above_noise
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.residuals import above_noise
 from stribeck.identify.actuator.starts import prepared, problem_of
 from tests.identify.actuator.recorded import NOISE, body, logs, record
 

@@ -229,8 +229,8 @@ def test_lugre_is_reported_if_it_leaves_half_the_error_and_tells_as_many_numbers
     for judged, error, name in ((every, 0.4, "lugre"), (few, 0.4, "stribeck"), (every, 0.6, "stribeck")):
         asked, model = [], SimpleNamespace(first={})
         best = SimpleNamespace(stopped=False, error=error * left, residual=log.force, model=model, late=False)
-        best.judged = lambda j=judged: j
-        monkeypatch.setattr(bristles, "simulated", lambda *_, asked=asked, best=best, **__: asked.append(0) or best)
+        best.judged, best.converged = lambda j=judged: j, lambda asked=asked, best=best: asked.append(0) or best
+        monkeypatch.setattr(bristles, "approached", lambda *_, asked=asked, best=best, **__: asked.append(0) or best)
         fit = bristles.better(log, static, ["lugre"], FitOptions())
         assert (fit.law_name, len(asked)) == (name, 1 + (error < 0.5))
         assert ("it identifies fewer numbers" in fit.notes[0]) == (judged is few)

@@ -14,7 +14,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.estimate import BestPoint, estimate
+from stribeck.identify.actuator.estimate import BestPoint, Estimation
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
@@ -165,7 +165,7 @@ class Fitting:
 
     def run(self, laws: Mapping[str, Sequence[str]], baselines: bool) -> MachineFit:
         """All steps, in order."""
-        best, picked, notes = choice.among_laws(self, laws) if laws else (self.estimated(), None, [])
+        best, picked, notes = choice.among_laws(self, laws) if laws else (self.searched().best(), None, [])
         result = self.reported(best, notes)
         result.laws = picked
         self.work.section(0.95)
@@ -179,10 +179,10 @@ class Fitting:
         self.work.section(1.0)
         return result
 
-    def estimated(self, rough: bool = False) -> BestPoint:
-        """The best point of the machine's own laws; ``rough``: only as far as its error is to be compared."""
+    def searched(self) -> Estimation:
+        """The fit of the machine's own laws, of which the place to begin is known."""
         self.work.section(0.6)
-        return estimate(self.scenario, self.fitted, self.sought, self.starts, self.seed, self.work, rough=rough)
+        return Estimation(self.scenario, self.fitted, self.sought, self.starts, self.seed, self.work)
 
     def reported(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""

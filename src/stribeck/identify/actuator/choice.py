@@ -13,7 +13,7 @@ from stribeck import laws as known_laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, StribeckNote, arg, first_line, nearest
 from stribeck.identify.actuator.coordinates import SPEED, MachineCoordinate, paths
-from stribeck.identify.actuator.estimate import BestPoint, estimate
+from stribeck.identify.actuator.estimate import BestPoint, Estimation
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
@@ -143,7 +143,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> tuple[BestPoi
         label = ", ".join(f"{c} = {n}" for c, n in zip(laws, names, strict=True))
         try:
             scenario, sought = with_laws(fit.scenario, fit.sought, dict(zip(laws, names, strict=True)), speeds)
-            best = estimate(scenario, fitted, sought, fit.starts, fit.seed, fit.work)
+            best = Estimation(scenario, fitted, sought, fit.starts, fit.seed, fit.work).best()
         except StribeckError as error:
             failed[label] = first_line(error)
             continue
@@ -160,7 +160,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> tuple[BestPoi
     picked = min(near, key=lambda label: (numbers[label], errors[label]))
     fit.scenario, fit.sought, best = tried[picked]
     if len(fitted) != len(fit.fitted) and not best.stopped:
-        best = estimate(fit.scenario, fit.fitted, fit.sought, 1, fit.seed, fit.work, best.values())
+        best = Estimation(fit.scenario, fit.fitted, fit.sought, 1, fit.seed, fit.work, best.values()).best()
     return best, {"picked": picked, "errors": errors, "numbers": numbers, "failed": failed}, notes
 
 
@@ -199,7 +199,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
             else:
                 base = Scenario(result.data, folder=fit.scenario.folder)
                 scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
-            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
+            best = Estimation(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values).best()
             fit.work.check()
             errors = [held_out_error(scenario, best, part) for part in (fit.fitted, fit.held_out)]
             rows[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held_out else None, "numbers": len(sought)}

@@ -15,13 +15,15 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.residuals import by_column, floor_of
+from stribeck.identify.actuator.runs import RecordedRun, rms
 from stribeck.identify.actuator.solve import left_step
 from stribeck.identify.features.filtering import roughness
 from stribeck.waveforms import Signal
 
 _ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
 _DRAWS = 24  # they give a deviation to 15 %
+_AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
 _MOST = 0.49  # largest relative change: the extrapolation is singular at one half
 
 
@@ -115,3 +117,11 @@ def _by_noise(problem: MachineProblem, u: Array) -> Array | None:
     for (_, target, rows), x in zip(problem.pieces, columns, strict=True):
         off[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
     return problem.whitened(off)
+
+
+def above_noise(problem: MachineProblem, u: Array) -> bool:
+    """Whether a residual is larger than the noise of its column, and that of the inputs, explain."""
+    columns, drawn = by_column(problem, problem.plain(u[None])[0]), _by_noise(problem, u)
+    inputs = by_column(problem, np.zeros(problem.size) if drawn is None else np.sqrt(np.mean(drawn**2, axis=0)))
+    least = {n: np.hypot(max(floor_of(problem, n), roughness(x)), rms(inputs[n])) for n, x in columns.items()}
+    return any(not rms(x) <= _AS_WELL * least[n] for n, x in columns.items())  # nan: the simulation fails there

@@ -16,7 +16,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.runs import rms
-from stribeck.identify.actuator.solve import HUGE, ROUGHLY, half_squares, moved_over, search, settled
+from stribeck.identify.actuator.solve import HUGE, ROUGHLY, half_squares, search, settled
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.work import Stopped, Work
@@ -136,47 +136,60 @@ def steady(problem: MachineProblem, u: Array) -> bool:
     return True
 
 
-def estimate(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
-    work: Work, first: dict[str, float] | None = None, rough: bool = False,
-) -> BestPoint:  # fmt: skip
-    """The best fit of these recordings; ``rough``: only as far as its error is to be compared."""
-    fitted = {i for i, _ in recordings}
-    sought = [c for c in sought if c.log is None or c.log in fitted]
-    noise, given = first_noise([r for _, r in recordings])
-    starts = starts if sought else 1  # the machine without friction may have no parameter to fit
-    search_ = GuidedSearch(scenario, recordings, sought, noise, work)
-    near = search_.reached(starts, seed, first or {}, rough)
-    guides = Guides(scenario, recordings)
+class Estimation:
+    """The fit of some recordings; its search for a place to begin is made first.
 
-    def begun(bandwidth: float, values: dict[str, float]) -> BestPoint:
-        guided = guides.at(bandwidth, noisy=True)
-        problem = problem_of(
-            guided.scenario, guided.recordings, sought, dict(noise), work=work, known_noise=given, guide=guided.prefix
-        )
-        return BestPoint(problem, problem.point(values), near.stopped, [], guides, bandwidth)
+    Args:
+        starts: number of starts of the search; ``seed``: makes them reproducible; ``first``: values of the first one.
 
-    free = begun(0.0, near.values)
-    if rough or free.stopped:
-        return free
+    Attributes:
+        free: the end of the search, without a guide.
+    """
 
-    def converged(last: BestPoint | None = None) -> BestPoint:
-        best = _weighted(_as_free_as_possible(begun, near, free, guided, last))
-        if best.problem.colored and not best.stopped:
-            try:
-                best.under_guide = search_.under_guide(near)
-            except (KeyboardInterrupt, Stopped):
-                work.stop()
-            best.stopped = work.stopped
+    def __init__(
+        self, scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate],
+        starts: int, seed: int, work: Work, first: dict[str, float] | None = None,
+    ) -> None:  # fmt: skip
+        fitted = {i for i, _ in recordings}
+        self._sought, self._work = [c for c in sought if c.log is None or c.log in fitted], work
+        self._noise, self._given = first_noise([r for _, r in recordings])
+        self._search = GuidedSearch(scenario, recordings, self._sought, self._noise, work)
+        starts = starts if self._sought else 1  # the machine without friction may have no parameter to fit
+        self._near = self._search.reached(starts, seed, first or {})
+        self._guides = Guides(scenario, recordings)
+        self.free = self._begun(0.0, self._near.values)
+
+    def best(self) -> BestPoint:
+        """The best fit, which begins at the end of the search."""
+        if not self.free.stopped and (near := self._search.followed(self._near)) != self._near:
+            self._near, self.free = near, self._begun(0.0, near.values)
+        if self.free.stopped:
+            return self.free
+        fitted_sensor = any(c.output is not None for c in self._sought)  # which guides nothing
+        guided = [] if fitted_sensor else self._guides.bandwidths[1:]
+        best = self._converged(guided)
+        if not best.bandwidth and guided and not best.stopped and best.doubtful():
+            other = self._converged(guided, best)
+            best = other if other.bandwidth else best
         return best
 
-    fitted_sensor = any(c.output is not None for c in sought)  # which guides nothing
-    guided = [] if fitted_sensor else guides.bandwidths[1:]
-    best = converged()
-    if not best.bandwidth and guided and not best.stopped and best.doubtful():
-        other = converged(best)
-        best = other if other.bandwidth else best
-    return best
+    def _begun(self, bandwidth: float, values: dict[str, float]) -> BestPoint:
+        guided = self._guides.at(bandwidth, noisy=True)
+        problem = problem_of(
+            guided.scenario, guided.recordings, self._sought, dict(self._noise), work=self._work, known_noise=self._given,
+            guide=guided.prefix,
+        )  # fmt: skip
+        return BestPoint(problem, problem.point(values), self._near.stopped, [], self._guides, bandwidth)
+
+    def _converged(self, guided: Sequence[float], last: BestPoint | None = None) -> BestPoint:
+        best = _weighted(_as_free_as_possible(self._begun, self._near, self.free, guided, last))
+        if best.problem.colored and not best.stopped:
+            try:
+                best.under_guide = self._search.under_guide(self._near)
+            except (KeyboardInterrupt, Stopped):
+                self._work.stop()
+            best.stopped = self._work.stopped
+        return best
 
 
 def _as_free_as_possible(
@@ -232,15 +245,15 @@ def _as_free_as_possible(
 def _weighted(best: BestPoint) -> BestPoint:
     """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is colored."""
     problem = best.problem
+    if not best.stopped:
+        weigh(problem, best.u)
     try:
         for _ in range(_WEIGHTINGS):
             if best.stopped or half_squares(problem.residuals(best.u[None]))[0] >= HUGE:
                 break
             best.u = settled(problem, best.u)
-            old, plain = problem.deviations(), not problem.colored
+            old = problem.deviations()
             weigh(problem, best.u)
-            if plain and problem.colored:  # drift has hidden other minima
-                best.u = moved_over(problem, best.u)
             if all(abs(np.log(new / old[c])) < _SETTLED for c, new in problem.deviations().items()):
                 break
     except (KeyboardInterrupt, Stopped):

@@ -15,13 +15,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import LSQUnivariateSpline
+from scipy.special import ndtri
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.drawn import above_noise
 from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.residuals import above_noise, floor_of, leftovers, noise_of, weigh
+from stribeck.identify.actuator.residuals import floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.solve import (
     ROUGH_STEPS,
     ROUGHLY,
@@ -45,7 +47,7 @@ _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
 _ENOUGH = 6  # recordings that tell minima apart
 _UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
 _FEWEST = 500  # samples of a coarse recording
-_TWO_SIDED = 1.96  # deviations of a 95 % interval
+_CHANCE = 0.05  # that any of the coordinates is apart of two estimates of the same
 _DEARER = 10  # times the solver's steps at the first values: what a start may take
 
 
@@ -128,40 +130,43 @@ class GuidedSearch:
     def __post_init__(self) -> None:
         rtol = max(self.scenario.solve.rtol, _LOOSE)
         self.scenario = self.scenario.with_changes({"solve.rtol": rtol})
-        self.recordings = _of_each_load(self.recordings)
+        self.recordings = [(i, replace(r, as_well={})) for i, r in _of_each_load(self.recordings)]
         self.guides = Guides(self.scenario, self.recordings)
         runs, self._starts = prepared(self.scenario, self.recordings, self.sought)
         self._begins = {run.log: run.start for run in runs}
 
-    def reached(self, starts: int, seed: int, first: dict[str, float], rough: bool = False) -> Reached:
-        """The best end from ``first``, where given, and from other starts; Ctrl-C returns the best so far.
-
-        Args:
-            rough: follow only the best start.
-        """
-        ends = [Reached(first, {})]
+    def reached(self, starts: int, seed: int, first: dict[str, float]) -> Reached:
+        """The end of the best start: ``first``, where given, or another; Ctrl-C returns the best so far."""
+        end = Reached(first, {})
         try:
-            level, compared = self._compared(starts, seed, first)
-            whole = self._problem(0)
-            for u in (compared.u, *compared.others):
-                ends.append(self._freed(level, u))
-                costs = np.array([x.cost for x in ends])
-                agreed = max(compared.agreeing, agreeing(costs, costs.min())) > 1
-                if rough or self.work.stopped or agreed or not above_noise(whole, whole.point(ends[-1].values)):
-                    break
-            if not (rough or self.work.stopped):  # from other places of the numbers that may lie at several
-                best = min(ends, key=lambda end: end.cost)
-                u = whole.point(best.values)
-                if (other := moved_over(whole, u)) is not u:
-                    better = search(whole, other, small=ROUGHLY)
-                    ends = [replace(best, values=best.values | whole.values(better.u), cost=better.cost)]
+            self._level, self._compared = self._best_starts(starts, seed, first)
+            end = Reached(self._problem(self._level).values(self._compared.u), {})
+            end = self._freed(self._level, self._compared.u)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
-        best = min(ends, key=lambda end: end.cost)
-        return replace(best, stopped=self.work.stopped)
+        return replace(end, stopped=self.work.stopped)
 
-    def _compared(self, starts: int, seed: int, first: dict[str, float]) -> tuple[int, Found]:
-        """The best starts, and the guide under which they were compared."""
+    def followed(self, end: Reached) -> Reached:
+        """The best end of the starts that follow one whose ``end`` leaves more than noise; Ctrl-C returns the best so far."""
+        ends, whole, compared = [end], self._problem(0), self._compared
+        try:
+            for u in compared.others:
+                costs = np.array([x.cost for x in ends])
+                agreed = max(compared.agreeing, agreeing(costs, costs.min())) > 1
+                if agreed or not above_noise(whole, whole.point(ends[-1].values)):
+                    break
+                ends.append(self._freed(self._level, u))
+            best = min(ends, key=lambda x: x.cost)
+            u = whole.point(best.values)
+            if (other := moved_over(whole, u)) is not u:  # numbers that may lie at several places
+                better = search(whole, other, small=ROUGHLY)
+                ends.append(replace(best, values=best.values | whole.values(better.u), cost=better.cost))
+        except (KeyboardInterrupt, Stopped):
+            self.work.stop()
+        return replace(min(ends, key=lambda x: x.cost), stopped=self.work.stopped)
+
+    def _best_starts(self, starts: int, seed: int, first: dict[str, float]) -> tuple[int, Found]:
+        """The guide under which starts were compared, and the best of them."""
         level = self._stiffest(first)
         self.factor = self._coarsest(level, first)
         self._problems.clear()
@@ -187,8 +192,7 @@ class GuidedSearch:
             if looser and (followed or looser == level):
                 under[self.guides.bandwidths[looser]] = problem.values(u)
         problem.noise = dict(self.noise)
-        cost = float(half_squares(problem.residuals(u[None]))[0])
-        return Reached(values, under, cost)
+        return Reached(values, under, float(half_squares(problem.residuals(u[None]))[0]))
 
     def under_guide(self, near: Reached) -> UnderGuide:
         """The coordinates that the prediction errors give under the first guide, and their deviations; {} without a guide."""
@@ -273,10 +277,13 @@ def steps_apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
     minimum, or the model lacks something (Hausman, Econometrica 46, 1978).
     """
     steps = np.zeros(len(u))
+    likely = -ndtri(
+        _CHANCE / 2 / max(len(other), 1)
+    )  # deviations, by which none of the coordinates differs (Bonferroni)
     for i, c in enumerate(problem.sought):
         if c.name in other:
             there, deviation = other[c.name]
-            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - _TWO_SIDED * deviation, 0.0)
+            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - likely * deviation, 0.0)
     return steps
 
 

@@ -15,7 +15,6 @@ from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.features.filtering import roughness
 
 _FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
-_AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
 _GIVEN = 1.5  # times a given noise: the least residual that takes its place
 
 
@@ -80,10 +79,3 @@ def weigh(problem: MachineProblem, u: Array, white: bool = True) -> None:
         problem.noise[column] = max(float(noise), floor_of(problem, column), 1e-12)
         random = [x / problem.noise[column] for x in columns[column]] if white and left <= EXPLAINED * size else []
         problem.whitening[column] = prediction_filter(random)
-
-
-def above_noise(problem: MachineProblem, u: Array) -> bool:
-    """Whether a residual is larger than its changes from sample to sample explain."""
-    columns = by_column(problem, problem.plain(u[None])[0])
-    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}
-    return any(not rms(parts) <= _AS_WELL * least[n] for n, parts in columns.items())  # nan: the simulation fails there

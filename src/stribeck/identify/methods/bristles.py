@@ -17,7 +17,7 @@ from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models.forms import effect
 from stribeck.identify.models.record import shortened
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.onebody import Simulated, raw, simulated
+from stribeck.identify.onebody import Simulated, approached, raw
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit
 from stribeck.identify.result_parts import Candidate
@@ -98,15 +98,13 @@ def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: 
 
     A delay is fitted if the law's residual shows one, and kept by BIC.
     """
-    if np.isfinite(left):
-        rough = simulated(log, name, options, part(progress, 0, 3), rough=True)
-        if rough.stopped or not rough.error < HALF * left:
-            return rough
-    fit = simulated(log, name, options, part(progress, 1, 3))
-    if fit.stopped or options.alone or not fit.late:
+    fit = approached(log, name, options, part(progress, 0, 2))
+    if fit.stopped or not fit.error < HALF * left:
         return fit
-    later = simulated(log, name, replace(options, term=(*options.term, "delay")), part(progress, 2, 3))
-    return later if later.stopped else (fit, later)[_of_least_bic([fit, later])]
+    if not options.alone and fit.late:
+        later = approached(log, name, replace(options, term=(*options.term, "delay")), part(progress, 1, 2))
+        fit = later if later.stopped else (fit, later)[_of_least_bic([fit, later])]
+    return fit.converged()
 
 
 def _of_least_bic(fits: Sequence[Simulated]) -> int:
