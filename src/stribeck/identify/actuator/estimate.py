@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide, steps_apart
+from stribeck.identify.actuator.guided import GuidedSearch, UnderGuide, steps_apart
 from stribeck.identify.actuator.guides import CARRIED, Guides
 from stribeck.identify.actuator.lacks import RunMotion, errors_of_sensor
 from stribeck.identify.actuator.problem import MachineProblem
@@ -182,7 +182,7 @@ class Estimation:
         return BestPoint(problem, problem.point(values), self._near.stopped, [], self._guides, bandwidth)
 
     def _converged(self, guided: Sequence[float], last: BestPoint | None = None) -> BestPoint:
-        best = _weighted(_as_free_as_possible(self._begun, self._near, self.free, guided, last))
+        best = _weighted(self._as_free_as_possible(guided, last))
         if best.problem.colored and not best.stopped:
             try:
                 best.under_guide = self._search.under_guide(self._near)
@@ -191,62 +191,57 @@ class Estimation:
             best.stopped = self._work.stopped
         return best
 
+    def _as_free_as_possible(self, guides: Sequence[float], last: BestPoint | None = None) -> BestPoint:
+        """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
-def _as_free_as_possible(
-    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint, guides: Sequence[float],
-    last: BestPoint | None = None,
-) -> BestPoint:  # fmt: skip
-    """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
+        It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
+        the sensors' noise: slopes along another motion than the real one bend the estimates. Guides stiffer than one that hides
+        the error hide it, too, so the loosest is found by bisection. If none hides it, the one with the least error is taken.
 
-    It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
-    the sensors' noise: slopes along another motion than the real one bend the estimates. Guides stiffer than one that hides
-    the error hide it, too, so the loosest is found by bisection. If none hides it, the one with the least error is taken.
+        Args:
+            guides: the bandwidths of the guides, the loosest first.
+            last: a converged free fit that strays; each guide begins at the values under the one before it.
+        """
+        moves, why = any(x.free for x in self.free.problem.runs[0].scenario.system.bodies), ""
 
-    Args:
-        begun: the problem under the guide of a bandwidth, at some values.
-        guides: the bandwidths of the guides, the loosest first.
-        last: a converged free fit that strays; each guide begins at the values under the one before it.
-    """
-    moves, why = any(x.free for x in free.problem.runs[0].scenario.system.bodies), ""
+        def error(best: BestPoint) -> float:
+            """The error of the simulated state, once converged; infinite where the fit cannot be used."""
+            nonlocal why
+            weigh(best.problem, best.u, white=False)
+            solution = search(best.problem, best.u, small=ROUGHLY)
+            best.u, best.stopped = solution.u, solution.stopped
+            missed = not best.stopped and best.missed()
+            if not best.stopped and (missed or (moves and not steady(best.problem, best.u))):
+                why = why or (
+                    "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
+                )
+                return np.inf
+            return best.state_error() if best.bandwidth and not best.stopped else 0.0
 
-    def error(best: BestPoint) -> float:
-        """The error of the simulated state, once converged; infinite where the fit cannot be used."""
-        nonlocal why
-        weigh(best.problem, best.u, white=False)
-        solution = search(best.problem, best.u, small=ROUGHLY)
-        best.u, best.stopped = solution.u, solution.stopped
-        missed = not best.stopped and best.missed()
-        if not best.stopped and (missed or (moves and not steady(best.problem, best.u))):
-            why = why or (
-                "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
-            )
-            return np.inf
-        return best.state_error() if best.bandwidth and not best.stopped else 0.0
-
-    if last is not None:
-        why = "the machine alone strays from the measured motion"
-    elif error(free) == 0.0:
-        return free
-    chosen, least, low, high = free, np.inf, 0, len(guides)
-    while low < high:
-        middle = (low + high) // 2
-        best = begun(guides[middle], last.values() if last else near.at(guides[middle]))
-        off = error(best)
-        if best.stopped:
-            return best
-        last, hidden = best if last else None, off <= _HIDDEN**2
-        if hidden or off < least:
-            chosen, least = best, off
-        low, high = (low, middle) if hidden else (middle + 1, high)
-    chosen.notes += [f"{why}: {_GUIDED}"] if chosen is not free else []
-    return chosen
+        if last is not None:
+            why = "the machine alone strays from the measured motion"
+        elif error(self.free) == 0.0:
+            return self.free
+        chosen, least, low, high = self.free, np.inf, 0, len(guides)
+        while low < high:
+            middle = (low + high) // 2
+            best = self._begun(guides[middle], last.values() if last else self._near.at(guides[middle]))
+            off = error(best)
+            if best.stopped:
+                return best
+            last, hidden = best if last else None, off <= _HIDDEN**2
+            if hidden or off < least:
+                chosen, least = best, off
+            low, high = (low, middle) if hidden else (middle + 1, high)
+        chosen.notes += [f"{why}: {_GUIDED}"] if chosen is not self.free else []
+        return chosen
 
 
 def _weighted(best: BestPoint) -> BestPoint:
     """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is colored."""
     problem = best.problem
     if not best.stopped:
-        weigh(problem, best.u)
+        weigh(problem, best.u)  # no search follows a drift to digits that it does not determine
     try:
         for _ in range(_WEIGHTINGS):
             if best.stopped or half_squares(problem.residuals(best.u[None]))[0] >= HUGE:

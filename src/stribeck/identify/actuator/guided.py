@@ -277,9 +277,7 @@ def steps_apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
     minimum, or the model lacks something (Hausman, Econometrica 46, 1978).
     """
     steps = np.zeros(len(u))
-    likely = -ndtri(
-        _CHANCE / 2 / max(len(other), 1)
-    )  # deviations, by which none of the coordinates differs (Bonferroni)
+    likely = -ndtri(_CHANCE / 2 / max(len(other), 1))  # deviations that none exceeds (Bonferroni)
     for i, c in enumerate(problem.sought):
         if c.name in other:
             there, deviation = other[c.name]
