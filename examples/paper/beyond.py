@@ -3,15 +3,7 @@
 from __future__ import annotations
 
 from examples.paper.break_away import break_away_force
-from examples.paper.common import (
-    REFERENCE,
-    Chapter,
-    Done,
-    Printed,
-    Variant,
-    finish,
-    solve_all,
-)
+from examples.paper.common import REFERENCE, Chapter, Done, Printed, Variant, finish, solve_all
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table

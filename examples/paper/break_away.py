@@ -4,17 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import (
-    PAPER,
-    PROPOSED,
-    REFERENCE,
-    Chapter,
-    Done,
-    Variant,
-    finish,
-    scenario,
-    solve,
-)
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done, Variant, finish, scenario, solve
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
 

@@ -7,16 +7,7 @@ from math import pi, tan
 
 import numpy as np
 
-from examples.paper.common import (
-    BRISTLES,
-    STEEPNESSES,
-    Chapter,
-    Done,
-    Printed,
-    Variant,
-    finish,
-    solve,
-)
+from examples.paper.common import BRISTLES, STEEPNESSES, Chapter, Done, Printed, Variant, finish, solve
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.laws.terms import g

@@ -6,13 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import (
-    BRISTLES,
-    Chapter,
-    Done,
-    Printed,
-    finish,
-)
+from examples.paper.common import BRISTLES, Chapter, Done, Printed, finish
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.constants import DECIDED

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import (
-    PROPOSED,
-    REFERENCE,
-    Chapter,
-    Done,
-    finish,
-    record,
-    solve_all,
-)
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, finish, record, solve_all
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table

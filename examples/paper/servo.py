@@ -6,14 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import (
-    Chapter,
-    Done,
-    Printed,
-    finish,
-    record,
-    solve,
-)
+from examples.paper.common import Chapter, Done, Printed, finish, record, solve
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.loops.lyapunov import rises

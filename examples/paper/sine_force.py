@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-from examples.paper.common import (
-    PROPOSED,
-    REFERENCE,
-    Chapter,
-    Done,
-    finish,
-    record,
-    scenario,
-    solve,
-    solve_all,
-)
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, finish, record, scenario, solve, solve_all
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table

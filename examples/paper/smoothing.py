@@ -8,13 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from examples.paper.common import (
-    STEEPNESSES,
-    Chapter,
-    Done,
-    Printed,
-    finish,
-)
+from examples.paper.common import STEEPNESSES, Chapter, Done, Printed, finish
 from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
 from stribeck.mouth import plots

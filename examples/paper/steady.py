@@ -4,14 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import (
-    PAPER,
-    PROPOSED,
-    REFERENCE,
-    Chapter,
-    Done,
-    finish,
-)
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done, finish
 from stribeck.laws import law
 from stribeck.mouth import plots
 from stribeck.mouth.cells import prefixed

@@ -3,15 +3,7 @@
 from __future__ import annotations
 
 from examples.paper import sketches
-from examples.paper.common import (
-    PROPOSED,
-    REFERENCE,
-    Chapter,
-    Done,
-    finish,
-    record,
-    solve_all,
-)
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, finish, record, solve_all
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table

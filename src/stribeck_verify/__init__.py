@@ -18,10 +18,7 @@ __all__ = ["confirmed", "verify"]
 
 
 def verify(
-    certificate: Json,
-    law: Mapping[str, Json] | None = None,
-    property: str | None = None,
-    v_max: float | None = None,
+    certificate: Json, law: Mapping[str, Json] | None = None, property: str | None = None, v_max: float | None = None
 ) -> list[str]:
     """Why a certificate is not accepted; nothing where it proves what it states.
 

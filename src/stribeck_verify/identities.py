@@ -6,19 +6,7 @@ from collections.abc import Hashable
 
 from flint import fmpq, fmpq_mpoly_ctx
 
-from stribeck_verify.expressions import (
-    CONDITIONS,
-    PI,
-    Node,
-    Refused,
-    U,
-    W,
-    by_cases,
-    node,
-    number,
-    ordered,
-    replace,
-)
+from stribeck_verify.expressions import CONDITIONS, PI, Node, Refused, U, W, by_cases, node, number, ordered, replace
 from stribeck_verify.rational import Polynomial
 
 Pair = tuple[Polynomial, Polynomial]  # numerator and denominator

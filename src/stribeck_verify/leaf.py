@@ -10,19 +10,7 @@ from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
 from stribeck_verify import intervals
-from stribeck_verify.expressions import (
-    CONDITIONS,
-    PI,
-    ZERO,
-    Json,
-    Node,
-    Refused,
-    U,
-    W,
-    by_cases,
-    node,
-    read,
-)
+from stribeck_verify.expressions import CONDITIONS, PI, ZERO, Json, Node, Refused, U, W, by_cases, node, read
 from stribeck_verify.intervals import Range
 from stribeck_verify.rational import Quotient, Ring, Variable
 from stribeck_verify.rules import ENDLESS_RULES, Atom, value

@@ -13,16 +13,7 @@ from itertools import product
 
 from flint import fmpq
 
-from stribeck_verify.expressions import (
-    ZERO,
-    Node,
-    Refused,
-    U,
-    W,
-    derivative,
-    node,
-    ordered,
-)
+from stribeck_verify.expressions import ZERO, Node, Refused, U, W, derivative, node, ordered
 from stribeck_verify.identities import Normal, Pair, written_out
 from stribeck_verify.intervals import Evaluation, Range
 from stribeck_verify.leaf import Leaf, Region

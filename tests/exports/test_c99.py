@@ -12,18 +12,7 @@ import stribeck
 from stribeck.exports.c.ccode import LawCode
 from stribeck.exports.c.selftest import terms
 from stribeck.laws import BristleLaw, Claims
-from tests.exports.harness import (
-    ELASTOPLASTIC,
-    LAWS,
-    LINEAR,
-    SANITIZE,
-    STATIC,
-    STRICT,
-    _exported,
-    law,
-    need,
-    program,
-)
+from tests.exports.harness import ELASTOPLASTIC, LAWS, LINEAR, SANITIZE, STATIC, STRICT, _exported, law, need, program
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23
 # a form of equations each, under sanitizers: every law with every compiler takes minutes and finds no more

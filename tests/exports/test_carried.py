@@ -172,8 +172,7 @@ PLAIN = without(without(FRICTION, "contacts", "mesh", "loads"), "contacts", "mes
 
 
 @pytest.mark.parametrize(
-    ("data", "key", "z"),
-    [(PLAIN, "contacts.mesh.initial.z", 2e-6), (ONE_BODY, "plant.initial.z", 1.25e-6)],
+    ("data", "key", "z"), [(PLAIN, "contacts.mesh.initial.z", 2e-6), (ONE_BODY, "plant.initial.z", 1.25e-6)]
 )
 @pytest.mark.parametrize(
     ("target", "part"),

@@ -655,11 +655,7 @@ def _():
                     warnings.simplefilter("ignore")
                     try:
                         other = law.replace(**{constant_name: x})
-                        message = [
-                            overflow(other),
-                            trouble(other),
-                            numbers(other.steady_force([1e-3, 1.0])),
-                        ]
+                        message = [overflow(other), trouble(other), numbers(other.steady_force([1e-3, 1.0]))]
                     except InputError as error:
                         message = error.problems
                     except ArithmeticError as error:

@@ -199,10 +199,7 @@ def test_a_column_that_lies_in_another_file_is_refused(tmp_path, what):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
 def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    path = mat73(
-        tmp_path / "a.mat",
-        lambda h5py, file: ELSEWHERE["external storage"](h5py, file, tmp_path / "pipe"),
-    )
+    path = mat73(tmp_path / "a.mat", lambda h5py, file: ELSEWHERE["external storage"](h5py, file, tmp_path / "pipe"))
     with pytest.raises(InputError, match="lies in another file"):
         read_columns(path, WANTED)
 

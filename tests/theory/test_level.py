@@ -23,10 +23,9 @@ def test_20_majorants_fall_as_k_v_rises(word):
         assert sp.simplify(sp.diff(formula, k_v) + 3 * (1 - (k_v * v) ** 2) ** 2 / (8 * k_v**2)) == 0
         return
     slope = sp.diff(majorant(word, k_v, v), k_v)
-    stated = {
-        "atan": -2 / (sp.pi * k_v**2 * (1 + (k_v * v) ** 2)),
-        "sqrt": -1 / (k_v**3 * sp.sqrt(v**2 + 1 / k_v**2)),
-    }[word]
+    stated = {"atan": -2 / (sp.pi * k_v**2 * (1 + (k_v * v) ** 2)), "sqrt": -1 / (k_v**3 * sp.sqrt(v**2 + 1 / k_v**2))}[
+        word
+    ]
     assert abs(numeric(slope - stated)) < 1e-14
 
 

@@ -25,10 +25,7 @@ def exponential(x: str) -> Any:
     return ["exp", ["neg", ["mul", ["div", x, V_S], ["div", x, V_S]]]]
 
 
-DEFINITIONS = [
-    ["n0", exponential("v")],
-    ["n1", ["div", ["add", "1", ["mul", "1/2", "n0"]], SIGMA_0]],
-]
+DEFINITIONS = [["n0", exponential("v")], ["n1", ["div", ["add", "1", ["mul", "1/2", "n0"]], SIGMA_0]]]
 LUGRE = ["sub", "v", ["mul", ["div", ["abs", "v"], "n1"], "z"]]
 FORCE = ["add", ["add", ["mul", SIGMA_0, "z"], ["mul", SIGMA_1, "dz_dt"]], ["mul", SIGMA_2, "v"]]
 STRIBECK = [exponential("u"), "range", "0", "1"]

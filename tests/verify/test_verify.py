@@ -339,10 +339,7 @@ def whole_certificates():
         ["u", "above", "0"],
         [["lt", "u", "w"], "either"],
     ]
-    trees = [
-        ["split", "u", "1", ["polar u", ["leaf", atoms]], ["leaf", []]],
-        ["diagonal", ["leaf", []], ["leaf", []]],
-    ]
+    trees = [["split", "u", "1", ["polar u", ["leaf", atoms]], ["leaf", []]], ["diagonal", ["leaf", []], ["leaf", []]]]
     unused = [
         claim(
             "switching", 1, 1, "=0", a="u", b="w", there=[["u", "w"]], condition=["lt", "u", "w"], axis="z", side=1,

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck.waveforms import (
-    PointsSignal,
-    PointToPointSignal,
-    SineSignal,
-    SplineSignal,
-    SumSignal,
-)
+from stribeck.waveforms import PointsSignal, PointToPointSignal, SineSignal, SplineSignal, SumSignal
 from stribeck.waveforms.pieces import JUMP, pieces
 
 

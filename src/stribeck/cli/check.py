@@ -51,8 +51,7 @@ class SteepnessOptions:
         ),
     ] = None
     share: Annotated[
-        float | None,
-        setting("--share", "X", "Load of --creep, as a share of F_s; 0.95 unless given.", STEEPNESS),
+        float | None, setting("--share", "X", "Load of --creep, as a share of F_s; 0.95 unless given.", STEEPNESS)
     ] = None
     steady_error: Annotated[
         float | None,

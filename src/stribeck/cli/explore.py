@@ -22,12 +22,10 @@ def explore(
         typer.Argument(metavar="SCENARIO.toml|LAW", help="Scenario file, or a law for the built-in stick-slip run."),
     ] = None,
     out: Annotated[
-        Path | None,
-        setting("--out", "FILE.html", "Page to write; NAME.html unless given.", parser=output_path),
+        Path | None, setting("--out", "FILE.html", "Page to write; NAME.html unless given.", parser=output_path)
     ] = None,
     law: Annotated[
-        list[str] | None,
-        setting("--law", "NAME", "Law to offer beside the scenario's own; every law unless given."),
+        list[str] | None, setting("--law", "NAME", "Law to offer beside the scenario's own; every law unless given.")
     ] = None,
     set_: Set = None,
     trust: Trust = False,

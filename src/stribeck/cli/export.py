@@ -56,27 +56,19 @@ class PartOptions:
 
 @command("export", "stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
-    target: Annotated[
-        str,
-        setting("--target", "NAME", "c, fmu, isaaclab, mjwarp, mujoco, newton or table."),
-    ],
+    target: Annotated[str, setting("--target", "NAME", "c, fmu, isaaclab, mjwarp, mujoco, newton or table.")],
     out: Annotated[
-        Path,
-        setting("--out", "PATH", "Folder for c and mujoco; a file for other targets.", parser=output_path),
+        Path, setting("--out", "PATH", "Folder for c and mujoco; a file for other targets.", parser=output_path)
     ],
     selection: PartOptions,
     step: Annotated[
-        float | None,
-        setting("--step", "S", "Time step of the target (s); the loss of accuracy is reported.", ADVANCED),
+        float | None, setting("--step", "S", "Time step of the target (s); the loss of accuracy is reported.", ADVANCED)
     ] = None,
     self_test: Annotated[bool, flag("--self-test", "Add a program that tests the C.", ADVANCED)] = False,
     fmi: Annotated[int, setting("--fmi", "VERSION", "FMI version of an FMU: 3 or 2.")] = 3,
     law: Annotated[
         str | None,
-        typer.Argument(
-            metavar="LAW",
-            help="Law, FILE.py:NAME, or a machine file; the scenario's law unless given.",
-        ),
+        typer.Argument(metavar="LAW", help="Law, FILE.py:NAME, or a machine file; the scenario's law unless given."),
     ] = None,
     parameters: Annotated[str | None, setting("--parameters", "SET", "Built-in parameter set or TOML file.")] = None,
     set_: Annotated[

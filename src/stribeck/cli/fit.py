@@ -76,10 +76,7 @@ class How:
             ADVANCED,
         ),
     ] = None
-    starts: Annotated[
-        int,
-        setting("--starts", "N", "Number of starts of a fit by simulation.", ADVANCED, min=1),
-    ] = 20
+    starts: Annotated[int, setting("--starts", "N", "Number of starts of a fit by simulation.", ADVANCED, min=1)] = 20
     seed: Annotated[int, setting("--seed", "N", "Seed of the starts.", ADVANCED, min=0)] = 0
     output: Annotated[
         str,
@@ -128,10 +125,7 @@ def fit(
         list[str] | None,
         setting("--law", "NAME", "Law to fit; may be repeated. The best of these, or of all laws, is chosen."),
     ] = None,
-    logs: Annotated[
-        Path | None,
-        setting("--logs", "LOGS.toml", "Recordings and unknowns of the machine DATA."),
-    ] = None,
+    logs: Annotated[Path | None, setting("--logs", "LOGS.toml", "Recordings and unknowns of the machine DATA.")] = None,
     plan: Annotated[
         str | None,
         setting(

@@ -18,8 +18,7 @@ def import_(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="Format of FILE: bam, friction models m1 to m6 as JSON.")],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read.")],
     out: Annotated[
-        Path | None,
-        setting("--out", "FILE", "File to write; printed unless given.", parser=output_path),
+        Path | None, setting("--out", "FILE", "File to write; printed unless given.", parser=output_path)
     ] = None,
 ) -> int:
     """Convert a machine from another program's file."""

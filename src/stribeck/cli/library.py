@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 @command("library", "stribeck library mx106 --out mx106.toml")
 def library(
     name: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="NAME", help="Law, FILE.py:NAME, parameter set or machine."),
+        list[str] | None, typer.Argument(metavar="NAME", help="Law, FILE.py:NAME, parameter set or machine.")
     ] = None,
     out: Annotated[
-        Path | None,
-        setting("--out", "FILE.toml", "Write the named machine as a scenario file.", parser=output_path),
+        Path | None, setting("--out", "FILE.toml", "Write the named machine as a scenario file.", parser=output_path)
     ] = None,
     json: Json = False,
 ) -> int:

@@ -16,10 +16,7 @@ from stribeck.errors import InputError, arg, printable
 from stribeck.files import write_text
 
 # What to do with an example, where that is not to run it.
-_NEXT = {
-    "axis_hunts": "stribeck design {target}",
-    "joint_from_log": "stribeck fit {target} --logs {logs} --out fit",
-}
+_NEXT = {"axis_hunts": "stribeck design {target}", "joint_from_log": "stribeck fit {target} --logs {logs} --out fit"}
 _START = "stick_slip"  # the example that a new name starts from, under another law
 _BEGIN = """\
 # {name}: a scenario for 'stribeck run'. SI units everywhere; with rotary = true N m and rad.
@@ -43,13 +40,11 @@ v_d = 0.02                      # m/s, bristle damping falls with speed; without
 def _command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the file, or of a built-in example.")] = "my_rig",
     out: Annotated[
-        Path | None,
-        setting("--out", "FILE", "File to write; NAME.toml unless given.", parser=output_path),
+        Path | None, setting("--out", "FILE", "File to write; NAME.toml unless given.", parser=output_path)
     ] = None,
     list: Annotated[bool, flag("--list", "List the built-in examples.")] = False,
     schema: Annotated[
-        bool,
-        flag("--schema", "Write the JSON Schema, with which editors complete and check scenario files."),
+        bool, flag("--schema", "Write the JSON Schema, with which editors complete and check scenario files.")
     ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""

@@ -109,18 +109,13 @@ def output_path(text: str) -> Path:
     return Path(text)
 
 
-Out = Annotated[
-    Path | None,
-    setting("--out", "DIR", "Folder for the results; created if missing.", parser=output_path),
-]
+Out = Annotated[Path | None, setting("--out", "DIR", "Folder for the results; created if missing.", parser=output_path)]
 Json = Annotated[bool, flag("--json", "Print the result as one JSON object.")]
 ControllerName = Annotated[
-    str | None,
-    setting("--controller", "NAME", "Name of the controller; needed if the machine has several."),
+    str | None, setting("--controller", "NAME", "Name of the controller; needed if the machine has several.")
 ]
 Trust = Annotated[
-    bool,
-    flag("--trust", "Allow the scenario to run laws (FILE.py:NAME) from outside its folder.", ADVANCED),
+    bool, flag("--trust", "Allow the scenario to run laws (FILE.py:NAME) from outside its folder.", ADVANCED)
 ]
 
 
@@ -140,8 +135,7 @@ Undetermined = Annotated[
 
 
 Set = Annotated[
-    list[str] | None,
-    setting("--set", "PATH=VALUE", "Replace a value, such as law.k_v=1e6; may be repeated."),
+    list[str] | None, setting("--set", "PATH=VALUE", "Replace a value, such as law.k_v=1e6; may be repeated.")
 ]
 
 

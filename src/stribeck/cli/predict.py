@@ -34,8 +34,7 @@ def predict(
     columns: ColumnsAsFitted,
     fit: Annotated[Path | None, setting("--fit", "DIR", "Folder that 'stribeck fit --out' wrote.")] = None,
     machine: Annotated[
-        Path | None,
-        setting("--machine", "FILE.toml", "Simulate this machine file instead of a fit."),
+        Path | None, setting("--machine", "FILE.toml", "Simulate this machine file instead of a fit.")
     ] = None,
     cutoff: Annotated[
         float | None,
@@ -44,8 +43,7 @@ def predict(
         ),
     ] = None,
     set_: Annotated[
-        list[str] | None,
-        setting("--set", "PATH=VALUE", "With --machine: replace a value of the file.", ADVANCED),
+        list[str] | None, setting("--set", "PATH=VALUE", "With --machine: replace a value of the file.", ADVANCED)
     ] = None,
     trust: Trust = False,
     out: Out = None,

@@ -73,8 +73,7 @@ class ColumnsAsFitted(Columns):
         str | None, setting("--time", "COL", "Column of the time; columns are as in the fit unless given.")
     ] = None
     force_gain: Annotated[
-        str | None,
-        setting("--force-gain", "X", "Force per unit of the force column; as in the fit unless given."),
+        str | None, setting("--force-gain", "X", "Force per unit of the force column; as in the fit unless given.")
     ] = None
     command: Annotated[
         str | None,

@@ -31,8 +31,7 @@ def run(
         ),
     ] = None,
     contact: Annotated[
-        str | None,
-        setting("--contact", "NAME", "Contact whose law --law replaces; needed if there are several."),
+        str | None, setting("--contact", "NAME", "Contact whose law --law replaces; needed if there are several.")
     ] = None,
     show: Annotated[bool, flag("--show", "Print the machine instead of running it.")] = False,
     out: Out = None,

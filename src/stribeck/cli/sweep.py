@@ -21,8 +21,7 @@ def sweep(
     source: ScenarioOptions,
     out: Annotated[Path, setting("--out", "DIR", "Folder for the results; created if missing.", parser=output_path)],
     vary: Annotated[
-        list[str] | None,
-        setting("--vary", "PATH=FIRST:LAST:COUNT[:log]", "Parameter and its range; may be repeated."),
+        list[str] | None, setting("--vary", "PATH=FIRST:LAST:COUNT[:log]", "Parameter and its range; may be repeated.")
     ] = None,
     samples: Annotated[
         int | None, setting("--samples", "N", "Draw N random points of the ranges instead of their grid.")
@@ -30,8 +29,7 @@ def sweep(
     seed: Annotated[int, setting("--seed", "S", "Seed of the random points.", min=0)] = 0,
     summary: Annotated[bool, flag("--summary", "Write one row for each simulation instead of its trajectory.")] = False,
     threads: Annotated[
-        int | None,
-        setting("--threads", "N", "Number of threads; all cores unless given.", ADVANCED, min=1),
+        int | None, setting("--threads", "N", "Number of threads; all cores unless given.", ADVANCED, min=1)
     ] = None,
     json: Json = False,
 ) -> int:

@@ -35,16 +35,7 @@ from stribeck.codegen.webassembly import (
     tee,
 )
 from stribeck.expressions.emit import within_loops
-from stribeck.expressions.graph import (
-    BOUND,
-    ROOT_REACH,
-    ROOT_STEPS,
-    ZERO,
-    Expr,
-    is_zero,
-    ordered,
-    symbols,
-)
+from stribeck.expressions.graph import BOUND, ROOT_REACH, ROOT_STEPS, ZERO, Expr, is_zero, ordered, symbols
 from stribeck.machine.system import MachineSystem
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))

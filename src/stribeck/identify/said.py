@@ -168,12 +168,7 @@ def _candidates(fit: LogFit) -> list[Chapter]:
     if len(fit.candidates) < 2:
         return []
     rows: list[list[Cell]] = [
-        [
-            c["name"],
-            "; ".join(map(in_words, c["forms"])) or "-",
-            Share(c["relative_force_error"]),
-            c["numbers"],
-        ]
+        [c["name"], "; ".join(map(in_words, c["forms"])) or "-", Share(c["relative_force_error"]), c["numbers"]]
         for c in fit.candidates
     ]
     text = ["The static law with the least BIC is reported. Forms are further terms, for effects that the law lacks."]

@@ -38,11 +38,7 @@ class Experiment:
 
 
 def experiment(
-    law: Law,
-    velocity: tuple[Array, Array],
-    sensors: Sensors | None = None,
-    seed: int = 0,
-    every: int = 1,
+    law: Law, velocity: tuple[Array, Array], sensors: Sensors | None = None, seed: int = 0, every: int = 1
 ) -> Experiment:
     """A log of a rig that moves a contact as prescribed and measures its position and its friction.
 

@@ -74,10 +74,7 @@ def law(description: Mapping[str, Any]) -> Document:
         description["name"],
         description["summary"],
         [f"source: {description['source']}"],
-        [
-            Chapter("equations", "Equations", facts=facts, code=code),
-            Chapter("constants", "Constants", tables=[table]),
-        ],
+        [Chapter("equations", "Equations", facts=facts, code=code), Chapter("constants", "Constants", tables=[table])],
     )
 
 

@@ -109,13 +109,7 @@ def mixed_sentence(m: Mixed) -> str:
 def _compensations(result: Design, unit: str) -> Chapter:
     """A table of the remedies: the shares that stay quiet, and the error after a reversal."""
     rows: list[list[Cell]] = [
-        [
-            KINDS[c.kind],
-            _quiet_range(c),
-            f"{c.share:.2f}",
-            Amount(c.reversal_error, unit),
-            Amount(c.worst_error, unit),
-        ]
+        [KINDS[c.kind], _quiet_range(c), f"{c.share:.2f}", Amount(c.reversal_error, unit), Amount(c.worst_error, unit)]
         for c in result.compensations
     ]
     text = [

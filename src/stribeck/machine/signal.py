@@ -274,9 +274,7 @@ class Sum(SignalTable):
     made_by, positional = waveforms.SumSignal, ("of",)
     kind: Literal["sum"] = "sum"
     of: Annotated[
-        Held,
-        PlainValidator(_signals),
-        WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}}),
+        Held, PlainValidator(_signals), WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}})
     ] = Field(description="a list of signals: tables with kind and their constants")
 
     @cached_property

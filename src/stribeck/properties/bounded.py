@@ -18,13 +18,7 @@ from stribeck.properties.verdicts import Verdict, proved, undecided
 _OUTSIDE = "for |z| >= Z, dz/dt points inward or is 0, for every v, so that |z| does not grow"
 _EDGE = "at |z| = Z, dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z, so that none leaves"
 _PASSED = "constant speeds take z past the bound, as dz/dt keeps its sign (interval arithmetic)"
-_LEVELS = (
-    2.0,
-    10.0,
-    100.0,
-    1e4,
-    1e6,
-)  # of the bound: passing the last level is reported as passing every tried level
+_LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)  # of the bound: passing the last level is reported as passing every tried level
 _REPLAYED = 10.0  # of the bound: largest deflection in a replayed run
 
 

@@ -139,12 +139,7 @@ def by_storage(
 
 
 def _with_cells(
-    model: Model,
-    claims: ClaimProver,
-    cells: fitted.Fitted,
-    slope: Expr,
-    rising: list[Claim],
-    bounded: Certificate,
+    model: Model, claims: ClaimProver, cells: fitted.Fitted, slope: Expr, rising: list[Claim], bounded: Certificate
 ) -> Verdict | None:
     """The proof with slopes fitted on cells of z."""
     reach = model.bound[1]

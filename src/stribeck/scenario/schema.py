@@ -133,8 +133,7 @@ def machine_schema() -> Node:
         sections[section] = {**names, "additionalProperties": node}
     solve = _model(Solve)
     return _object(
-        {**_common(2), **sections, "solve": solve, "output": _model(Output)},
-        ["schema", "bodies", "solve", "output"],
+        {**_common(2), **sections, "solve": solve, "output": _model(Output)}, ["schema", "bodies", "solve", "output"]
     )
 
 

@@ -199,9 +199,7 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     beside = [first[n] for n in panel.beside if n in first and not (panel.alone and len(shown) > 1)]
     words = _rotary if any(unit in first[panel.y].unit for unit in ("rad", "N m")) else str
     y_scale = scale(
-        [*(q[panel.y] for q in lines.values()), *beside],
-        plain=panel.log,
-        name=words(panel.axis) if beside else "",
+        [*(q[panel.y] for q in lines.values()), *beside], plain=panel.log, name=words(panel.axis) if beside else ""
     )
     x_scale = scale([q[panel.x] for q in lines.values()])
     numbers = {label: i for i, label in enumerate(shown)}
@@ -226,11 +224,7 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         if beside_gaps.any():
             dots = (plots.drawable(values[beside_gaps]) for values in given)
             axis.plot(*dots, ".", markersize=2.0, color=plots.COLORS[numbers[label] % len(plots.COLORS)])
-    axis.set(
-        xlabel=x_scale.label,
-        ylabel=y_scale.label,
-        title=words(panel.title + (panel.also if beside else "")),
-    )
+    axis.set(xlabel=x_scale.label, ylabel=y_scale.label, title=words(panel.title + (panel.also if beside else "")))
     if beside:
         names = [first[panel.y].name, *(q.name for q in beside)]
         plots.key(axis, names if len(lines) == 1 else names[1:], len(beside))

@@ -342,10 +342,7 @@ def first(scenario: Scenario) -> Tolerances:
     return Tolerances(np.array([[atol[state.name] for state in scenario.system.states]]), np.ones(1))
 
 
-def solve_to_promise(
-    scenario: Scenario,
-    once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]],
-) -> Result:
+def solve_to_promise(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
     """The result of a scenario, solved again if its motion needs tighter tolerances.
 
     Args:

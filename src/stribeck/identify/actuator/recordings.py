@@ -386,13 +386,7 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
         channels[use] = Channel(c.column, at[rows] - origin, x[rows], unit, c.noise, c.held)
     outputs, inputs = ({n: channels[f"{g}.{n}"] for n in getattr(entry, g)} for g in ("outputs", "inputs"))
     return Recording(
-        entry.name or entry.file,
-        t[keep] - origin,
-        outputs,
-        inputs,
-        dict(entry.known),
-        entry.hold_out,
-        tuple(notes),
+        entry.name or entry.file, t[keep] - origin, outputs, inputs, dict(entry.known), entry.hold_out, tuple(notes)
     )
 
 

@@ -306,10 +306,7 @@ class Contact(BetweenBodies, family=True):
             text = f"the force of law '{law.name}' jumps at v = 0, so a body under it cannot stick"
             if "k_v" in law.constants():
                 problems.append(
-                    (
-                        ("law", "k_v"),
-                        f"missing: {text}; give k_v > 0 in s/m for a smooth sign, or a velocity",
-                    )
+                    (("law", "k_v"), f"missing: {text}; give k_v > 0 in s/m for a smooth sign, or a velocity")
                 )
             else:
                 problems.append((("law", "name"), f"{show(law.name)}: {text}"))

@@ -9,16 +9,7 @@ from pydantic import BeforeValidator, Field
 from stribeck.constants import Column, kind_of, show
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.ops import Value, clip, sign, where
-from stribeck.machine.element import (
-    GROUND,
-    NONE,
-    BetweenBodies,
-    BodyOrGround,
-    FarEnd,
-    Own,
-    force_unit,
-    ratio_constant,
-)
+from stribeck.machine.element import GROUND, NONE, BetweenBodies, BodyOrGround, FarEnd, Own, force_unit, ratio_constant
 from stribeck.machine.equations import Events
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import Problem, Refers, quantity, refused
