@@ -240,6 +240,8 @@ class Estimation:
 def _weighted(best: BestPoint) -> BestPoint:
     """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is colored."""
     problem = best.problem
+    if not best.stopped:
+        weigh(problem, best.u)  # no search follows a drift to digits that it does not determine
     try:
         for _ in range(_WEIGHTINGS):
             if best.stopped or half_squares(problem.residuals(best.u[None]))[0] >= HUGE:

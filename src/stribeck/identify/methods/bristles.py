@@ -101,10 +101,11 @@ def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: 
     fit = approached(log, name, options, part(progress, 0, 2))
     if fit.stopped or not fit.error < HALF * left:
         return fit
-    if not options.alone and fit.late:
-        later = approached(log, name, replace(options, term=(*options.term, "delay")), part(progress, 1, 2))
-        fit = later if later.stopped else (fit, later)[_of_least_bic([fit, later])]
-    return fit.converged()
+    fit = fit.converged()
+    if fit.stopped or options.alone or not fit.late:
+        return fit
+    later = approached(log, name, replace(options, term=(*options.term, "delay")), part(progress, 1, 2)).converged()
+    return later if later.stopped else (fit, later)[_of_least_bic([fit, later])]
 
 
 def _of_least_bic(fits: Sequence[Simulated]) -> int:
