@@ -23,10 +23,8 @@ def test_20_majorants_fall_as_k_v_rises(word):
         assert sp.simplify(sp.diff(formula, k_v) + 3 * (1 - (k_v * v) ** 2) ** 2 / (8 * k_v**2)) == 0
         return
     slope = sp.diff(majorant(word, k_v, v), k_v)
-    stated = {"atan": -2 / (sp.pi * k_v**2 * (1 + (k_v * v) ** 2)), "sqrt": -1 / (k_v**3 * sp.sqrt(v**2 + 1 / k_v**2))}[
-        word
-    ]
-    assert abs(numeric(slope - stated)) < 1e-14
+    stated = {"atan": -2 / (sp.pi * k_v**2 * (1 + (k_v * v) ** 2)), "sqrt": -1 / (k_v**3 * sp.sqrt(v**2 + 1 / k_v**2))}
+    assert abs(numeric(slope - stated[word])) < 1e-14
 
 
 def test_23_a_stiffness_that_changes_gives_energy_at_no_cost():

@@ -31,7 +31,7 @@ def sign(v):
 
 
 def turned(u, more=lambda y, v, push, z: 0.0):
-    """Where the arm is under the torque u, with a further friction torque; z: of bristles of 10 mrad, of their deflection."""
+    """Where the arm is under the torque u, with a further friction torque; z: the bent share of bristles of 10 mrad."""
     inertia, level, viscous = TRUTH.values()
 
     def rates(x, s):

@@ -180,7 +180,7 @@ class Fitting:
         return result
 
     def searched(self) -> Estimation:
-        """The fit of the machine's own laws, of which the place to begin is known."""
+        """The fit of the machine's own laws, at the end of its search."""
         self.work.section(0.6)
         return Estimation(self.scenario, self.fitted, self.sought, self.starts, self.seed, self.work)
 

@@ -137,7 +137,7 @@ def steady(problem: MachineProblem, u: Array) -> bool:
 
 
 class Estimation:
-    """The fit of some recordings; its search for a place to begin is made first.
+    """The fit of some recordings. Its search from many starts runs when it is made.
 
     Args:
         starts: number of starts of the search; ``seed``: makes them reproducible; ``first``: values of the first one.
@@ -241,7 +241,7 @@ def _weighted(best: BestPoint) -> BestPoint:
     """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is colored."""
     problem = best.problem
     if not best.stopped:
-        weigh(problem, best.u)  # no search follows a drift to digits that it does not determine
+        weigh(problem, best.u)  # else the first steps follow a drift to needless digits
     try:
         for _ in range(_WEIGHTINGS):
             if best.stopped or half_squares(problem.residuals(best.u[None]))[0] >= HUGE:

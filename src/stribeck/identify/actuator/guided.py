@@ -47,7 +47,7 @@ _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
 _ENOUGH = 6  # recordings that tell minima apart
 _UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
 _FEWEST = 500  # samples of a coarse recording
-_CHANCE = 0.05  # that any of the coordinates is apart of two estimates of the same
+_CHANCE = 0.05  # that two estimates of the same numbers seem apart in any of them
 _DEARER = 10  # times the solver's steps at the first values: what a start may take
 
 
@@ -147,7 +147,7 @@ class GuidedSearch:
         return replace(end, stopped=self.work.stopped)
 
     def followed(self, end: Reached) -> Reached:
-        """The best end of the starts that follow one whose ``end`` leaves more than noise; Ctrl-C returns the best so far."""
+        """The best of an ``end`` and, if it leaves more than noise, those of the next starts; Ctrl-C returns the best so far."""
         ends, whole, compared = [end], self._problem(0), self._compared
         try:
             for u in compared.others:
