@@ -68,27 +68,21 @@ class Work:
         if self.stopped:
             raise Stopped
 
-    def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
+    def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T]:
         """``what`` of each on all cores.
 
-        After Ctrl-C the remaining ones are None.
+        Raises: Stopped: the work is to end.
         """
-        items = list(of)
-        results: list[T | None] = [None] * len(items)
 
-        def compute(i: int) -> None:
-            try:
-                self.check()
-                results[i] = what(items[i])
-            except Stopped:
-                return
+        def compute(item: S) -> T:
+            self.check()
+            return what(item)
 
         pool = ThreadPoolExecutor(threads_of_this_machine())
         try:
-            for future in [pool.submit(compute, i) for i in range(len(items))]:
-                future.result()
+            return [future.result() for future in [pool.submit(compute, item) for item in of]]
         except KeyboardInterrupt:
             self.stop()
+            raise Stopped from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
-        return results

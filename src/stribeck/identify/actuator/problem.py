@@ -105,12 +105,10 @@ class MachineProblem:
         U = np.atleast_2d(U)
         r = np.full((len(U), self.size), np.nan)
         simulated = self.work.each(lambda k: self._simulated(k, U), self._longest_first)
-        self.work.check()
-        columns = {k: rows for k, rows in zip(self._longest_first, simulated, strict=True) if rows is not None}
+        columns = dict(zip(self._longest_first, simulated, strict=True))
         for k, target, rows in self.pieces:
-            if k in columns:
-                x = columns[k][:, rows.start - self.first[k] : rows.stop - self.first[k]]
-                r[:, rows] = (x - target.x) / self.noise[target.column]
+            x = columns[k][:, rows.start - self.first[k] : rows.stop - self.first[k]]
+            r[:, rows] = (x - target.x) / self.noise[target.column]
         compared = int(self.first[-1])
         for row, (i, (mean, deviation)) in enumerate(self.priors, compared):
             r[:, row] = [(self.sought[i].outer(u) - mean) / deviation for u in U[:, i]]

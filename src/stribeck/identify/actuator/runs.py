@@ -142,7 +142,7 @@ class RecordedRun:
 
 def at_times(grid: Array, x: Array, target: Channel, late: Late | None) -> Array:
     """Simulated columns (lanes, grid) at the times of a target, delayed by ``late`` if given."""
-    step = grid[1] - grid[0] if len(grid) > 1 else 1.0
+    step = grid[1] - grid[0]
     index = np.rint(target.t / step).astype(int)
     if late is None and abs(target.t - index * step).max(initial=0.0) <= _EVEN * step:
         return x[:, np.clip(index, 0, len(grid) - 1)]
