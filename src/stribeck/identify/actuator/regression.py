@@ -154,13 +154,10 @@ class MachineLibrary(ModelLibrary):
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
                 estimates[static] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE, why=_ONE_LEVEL)
                 continue
-            at_slowest, of_speed = (
-                f"{contact} {LEVELS[0]}",
-                estimates.get(viscous, known(self.friction.viscous[contact])),
-            )
-            levels = [estimates[level]] if level in estimates else []
-            if at_slowest in estimates:
-                levels.append(estimates[at_slowest].less(of_speed, self.friction.speeds[at_slowest]))
+            at_slowest = f"{contact} {LEVELS[0]}"
+            of_speed = estimates.get(viscous, known(self.friction.viscous[contact]))
+            levels = [estimates[at_slowest].less(of_speed, self.friction.speeds[at_slowest])]
+            levels += [estimates[level]] if level in estimates else []
             estimates[static], estimates[speed] = one_sided(F_s, v_s, levels)
         return estimates
 

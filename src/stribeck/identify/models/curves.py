@@ -9,7 +9,6 @@ import numpy as np
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.identify.core.library import IMPOSSIBLE, STEEP, UNNOTICED
-from stribeck.identify.core.states import Estimate, one_sided
 from stribeck.identify.features.guess import HIGHEST_V_S
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # that have columns; other laws are fitted by simulation
@@ -114,13 +113,3 @@ class SteadyCurve:
     def anchored(self, c: Sequence[float]) -> dict[str, float]:
         """Coefficients with which slopes are taken: none of them 0."""
         return {n: max(x, ANCHORED * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
-
-    def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
-        """Estimates as they are reported; ``slow``: the level at the slowest speed seen, without what is viscous.
-
-        If no speed was seen that is slow beside v_s, F_s is at least the level there and F_c, v_s at most what it may be.
-        """
-        if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * estimates["v_s"].value:
-            return estimates
-        F_s, v_s = one_sided(estimates["F_s"], estimates["v_s"], [slow, estimates["F_c"]])  # never below F_c
-        return estimates | {"F_s": F_s, "v_s": v_s}

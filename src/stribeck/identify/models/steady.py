@@ -11,9 +11,9 @@ from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, UNNOTICED, Model, ModelLibrary, seen_speeds
 from stribeck.identify.core.search import search_forms
-from stribeck.identify.core.states import Estimate, EstimateState, known
+from stribeck.identify.core.states import Estimate, EstimateState, known, one_sided
 from stribeck.identify.log import INTEGRAL
-from stribeck.identify.models.curves import SPEEDS, SteadyCurve
+from stribeck.identify.models.curves import REACHED, SPEEDS, SteadyCurve
 from stribeck.identify.models.forms import SHOWN, WIDTHS, Anchor, Key, effect, fits, forms, sliding, steady
 from stribeck.identify.models.over_position import ripple_range, ripple_waves, travel
 from stribeck.identify.models.record import LawColumns, Record
@@ -108,15 +108,17 @@ class SteadyLibrary(ModelLibrary):
             if e.state is EstimateState.IDENTIFIED and n == "mass" and e.value < 0:
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
         viscous, slowest = estimates.get("sigma_2", known(self.record.given.get("sigma_2", 0.0))), self.at.speeds[0]
-        return self.curve.judged(estimates, estimates[LEVELS[0]].less(viscous, slowest), slowest)
+        if {"F_s", "v_s"} <= estimates.keys() and slowest > REACHED * estimates["v_s"].value:
+            levels = [estimates[LEVELS[0]].less(viscous, slowest), estimates["F_c"]]
+            estimates["F_s"], estimates["v_s"] = one_sided(estimates["F_s"], estimates["v_s"], levels)
+        return estimates
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
         if name not in self.body or name in ("mass", "sigma_2"):
             return None, False
         column = self.columns[:, 1 + self.body.index(name)]
-        level = value.get("F_c", value[LEVELS[-1]])
-        return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
+        return value["F_c"] / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
 
     def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
         """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
