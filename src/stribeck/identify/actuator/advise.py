@@ -21,6 +21,7 @@ from stribeck.identify.actuator.inputs import number_at
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.solve import covariance
 from stribeck.scenario.changes import entry_at
 
 _BETTER = 1.3  # times narrower interval than from a repeated recording: a smaller gain is not worth an experiment
@@ -72,13 +73,6 @@ def experiments(problem: MachineProblem, u: Array, J: Array, open_: list[int]) -
 def _times(gain: float) -> str:
     """A gain in words; of a deviation that falls further the old one is too large for its linearization to tell the factor."""
     return f"{gain:.2g} times" if gain < _LINEAR else f"more than {_LINEAR:g} times"
-
-
-def covariance(A: Array) -> Array:
-    """The inverse of a matrix of information, which may be singular."""
-    size = np.sqrt(np.maximum(np.diag(A), 1e-30))
-    values, vectors = np.linalg.eigh(A / np.outer(size, size))
-    return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(size, size))
 
 
 def _moves(problem: MachineProblem, u: Array, J: Array, before: Array, asked: list[int]) -> Array:

@@ -15,6 +15,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.lacks import forms_in_words
 from stribeck.identify.actuator.regression import MachineLibrary, regressed
+from stribeck.identify.actuator.solve import covariance
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
@@ -98,7 +99,7 @@ def _crept(e: Estimate) -> bool:
 def _relation(lib: MachineLibrary) -> Array:
     """The correlation of the fitted parameters."""
     gram = lib.gram.sum(0)[1 : 1 + lib.k, 1 : 1 + lib.k]
-    c = advise.covariance(gram)
+    c = covariance(gram)
     size = np.sqrt(np.maximum(np.diag(c), 1e-300))
     return np.asarray(c / np.outer(size, size))
 

@@ -177,9 +177,14 @@ def fine_slopes(problem: MachineProblem, u: Array, near: Array | None = None) ->
 
 def spread(J: Array, width: Array) -> Array:
     """The standard deviation of each coordinate, which is known to within its ``width`` without the residuals."""
-    scale = 1 / np.sqrt(np.sum(J**2, axis=0) + width**-2.0)
-    inverse = np.linalg.inv((J.T @ J + np.diag(width**-2.0)) * np.outer(scale, scale))
-    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) * scale)
+    return np.sqrt(np.diag(covariance(J.T @ J + np.diag(width**-2.0))))
+
+
+def covariance(A: Array) -> Array:
+    """The inverse of a matrix of information, which may be singular."""
+    size = np.sqrt(np.maximum(np.diag(A), 1e-30))
+    values, vectors = np.linalg.eigh(A / np.outer(size, size))
+    return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(size, size))
 
 
 def left_step(problem: MachineProblem, u: Array, r: Array, J: Array) -> Array:
