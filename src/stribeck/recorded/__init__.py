@@ -75,10 +75,14 @@ def opened_with(data: Any, wanted: Mapping[str, str]) -> Source:
     Raises:
         InputError: if the file cannot be read, or a column is missing; one line for each problem.
     """
-    source = opened(data)
+    require_columns(source := opened(data), wanted)
+    return source
+
+
+def require_columns(source: Source, wanted: Mapping[str, str]) -> None:
+    """Raises: InputError: a column is missing; ``wanted`` has its name by role."""
     if missing := [no_column(role, name, source) for role, name in wanted.items() if name not in source.names]:
         raise InputError(missing)
-    return source
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from stribeck.identify.data.smoother import smooth, smoothing
 from stribeck.identify.log import FEWEST_SAMPLES
 from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity, refused
 from stribeck.parameter_sets import read_toml
-from stribeck.recorded import Source, listed
+from stribeck.recorded import Source, require_columns
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
@@ -350,7 +350,11 @@ def _source(entry: RecordingTable, where: str, folder: Path) -> Source:
 
 
 def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
-    """The columns of one recording, in order of time."""
+    """The columns of one recording, in order of time.
+
+    Raises:
+        InputError: a column is missing, contains no possible numbers, or is not as long as its times.
+    """
     source, wanted = _source(entry, where, folder), entry.columns
     time = entry.time
     if time is None:  # a topic of a bag has its own times
@@ -362,7 +366,8 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     names |= {f"{where}.{use}.time": at for use, at in apart.items() if at and at != time.column}
     roles = {f"{where}.{use}": f"{where}.{use}.time" for use in wanted}
     times = {role: at if at in names else f"{where}.time" for role, at in roles.items()}
-    columns, notes = _columns(source, names, times), list(getattr(source, "notes", []))
+    require_columns(source, names)
+    columns, notes = source.columns(names, times), list(getattr(source, "notes", []))
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, entry.file)
     notes += more
@@ -394,23 +399,6 @@ def _in_si(column: Column, source: Source) -> Column:
     """A column in the unit that its file states, unless LOGS.toml gives a unit or a gain."""
     stated = "" if column.unit or "gain" in column.model_fields_set else source.unit(column.column, column.units)
     return column.model_copy(update={"unit": stated}) if stated else column
-
-
-def _columns(source: Source, names: Mapping[str, str], times: Mapping[str, str]) -> dict[str, Array]:
-    """The columns by their use.
-
-    Raises:
-        InputError: a column is missing, contains no numbers, or is not as long as its times.
-    """
-    if missing := [(role, name) for role, name in names.items() if name not in source.names]:
-        raise InputError(
-            [
-                f"{role}: {show(name)}: {source.path} has no such column"
-                + (nearest(name, source.names) or f" (it has {listed(source.names)})")
-                for role, name in missing
-            ]
-        )
-    return source.columns(dict(names), times)
 
 
 def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
