@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -97,10 +98,7 @@ class Log:
 
     def runs(self) -> Iterator[slice]:
         """The rows of each run, in order."""
-        cuts = np.flatnonzero(np.diff(self.run)) + 1
-        for first, last in zip([0, *cuts.tolist()], [*cuts.tolist(), len(self)], strict=True):
-            if last > first:
-                yield slice(first, last)
+        yield from parted(np.diff(self.run) != 0) if len(self) else ()
 
     @property
     def file_of_rows(self) -> NDArray[np.intp]:
@@ -112,6 +110,16 @@ class Log:
     def with_columns(self, **columns: Any) -> Log:
         """The log with some columns or notes replaced."""
         return replace(self, **columns)
+
+
+def parted(breaks: NDArray[np.bool_]) -> list[slice]:
+    """The rows between breaks, of which each is between a row and the next one."""
+    return [slice(a, b) for a, b in pairwise([0, *(np.flatnonzero(breaks) + 1).tolist(), len(breaks) + 1])]
+
+
+def stretches(there: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First rows, and rows behind the last ones, of the stretches of rows that are there."""
+    return np.flatnonzero(np.diff(there, prepend=False, append=False)).reshape(-1, 2)
 
 
 def size_ratio(left: Array, of: Array) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.log import MANY_ROWS
+from stribeck.identify.log import MANY_ROWS, parted, stretches
 
 Mask = NDArray[np.bool_]
 FEWEST_ROWS = 50  # rows of a run: a filter takes about as many to settle, and fewer rows hold no reversal
@@ -230,9 +229,7 @@ def _distance_from_cubic(x: Array) -> Array:
 def _pieces(columns: dict[str, Array], breaks: Mask, file: str, notes: list[str]) -> list[slice]:
     """The runs between breaks, without the rows of stuck or clipped sensors, if they are long enough."""
     bad = _repeating(columns, file, notes)
-    breaks = breaks | (bad[1:] != bad[:-1])
-    cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(bad)]
-    pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
+    pieces = [rows for rows in parted(breaks | (bad[1:] != bad[:-1])) if not bad[rows.start]]
     runs = [r for r in pieces if r.stop - r.start >= FEWEST_ROWS]
     if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST_ROWS):
         notes.append(f"{file}: {lost} rows were left out, in pieces shorter than {FEWEST_ROWS} rows")
@@ -333,8 +330,8 @@ def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
         exceed; and the number of stretches of any length.
     """
     same = x[1:] == x[:-1]
-    edges = np.flatnonzero(np.diff(same, prepend=False, append=False))
-    starts, lengths = edges[::2], edges[1::2] - edges[::2] + 1
+    edges = stretches(same)
+    starts, lengths = edges[:, 0], np.ptp(edges, axis=1) + 1
     count = len(x) - int(same.sum())
     rank = (0.9 * count - (count - len(lengths))) / max(len(lengths), 1)
     return starts, lengths, float(np.quantile(lengths, rank)) if rank > 0 else 1.0, count

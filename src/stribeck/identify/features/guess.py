@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.log import STILL, Log, size_ratio
+from stribeck.identify.log import STILL, Log, size_ratio, stretches
 from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
@@ -82,8 +82,7 @@ def _at_rest(log: Log, level: float) -> list[float]:
     slopes = []
     for rows in log.runs():
         v, y, f = log.velocity[rows], log.position[rows], log.force[rows]
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < STILL * fast, [0]])))
-        for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
+        for first, last in stretches(abs(v) < STILL * fast)[:_REVERSALS_LOOKED_AT].tolist():
             margin = (last - first) // 8
             inside = slice(first + margin, last - margin)
             if inside.stop - inside.start < _FEWEST_AT_REST or np.ptp(f[inside]) < RISE * level:

@@ -8,7 +8,7 @@ from scipy.ndimage import binary_opening
 
 from stribeck.arrays import Array
 from stribeck.identify.features.filtering import roughness
-from stribeck.identify.log import MANY_ROWS, Log, thinned
+from stribeck.identify.log import MANY_ROWS, Log, stretches, thinned
 
 Mask = NDArray[np.bool_]
 _WINDOW, _SHORTEST = 0.02, 10  # s, rows of a window: shorter than a stop of an axis, with enough rows for a mean
@@ -66,8 +66,7 @@ def _with_neighbors(mean: Array) -> Array:
 
 def _to_its_ends(rest: Mask, v: Array, limit: float, window: int) -> None:
     """Extend each rest of a run, in place, by adjacent rows that are as slow, by one window at most."""
-    edges = np.flatnonzero(np.diff(rest, prepend=False, append=False)).tolist()
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
+    for first, last in stretches(rest).tolist():
         before, behind = abs(v[max(first - window, 0) : first])[::-1] > limit, abs(v[last : last + window]) > limit
         rest[first - (int(np.argmax(before)) if before.any() else len(before)) : first] = True
         rest[last : last + (int(np.argmax(behind)) if behind.any() else len(behind))] = True

@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data import filters
 from stribeck.identify.data.smoother import LOOK
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import Log
+from stribeck.identify.log import Log, stretches
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.terms import TERMS, column
 
@@ -80,8 +80,7 @@ def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
         return out
     width = round(_SMEARED / (log.bandwidth * log.step))
     for rows in log.runs():
-        edges = np.flatnonzero(np.diff(~rest[rows], prepend=False, append=False)).tolist()
-        for first, last in zip(edges[::2], edges[1::2], strict=True):
+        for first, last in stretches(~rest[rows]).tolist():
             reach = min(width, (last - first) // 4)
             out[rows.start + first : rows.start + first + reach] = first > 0
             if last < rows.stop - rows.start:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -12,6 +11,7 @@ from scipy.signal import bilinear, lfilter, lfilter_zi
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST
+from stribeck.identify.log import parted
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.over_position import direction_along
 from stribeck.identify.models.record import Record, body_columns, kept_rows
@@ -67,9 +67,7 @@ class Transmission:
         self.record, self.step = record, record.q * log.step
         self.columns = np.column_stack([*map(record.reduce, columns)])
         self.acceleration = record.reduce(log.acceleration)
-        run = log.run[kept_rows(log, record.q)]
-        cuts = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(run)]
-        self.runs = [slice(a, b) for a, b in pairwise(cuts)]
+        self.runs = parted(np.diff(log.run[kept_rows(log, record.q)]) != 0)
 
     def behind_filter(self, time: float) -> Array:
         """The columns at the compared rows behind a filter of the force; 0 for none."""
