@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.identify.log import INTEGRAL, Log
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, WEIGHT
 
 _MARGIN = 0.01  # of the range seen: noise
 _GROWS = ("stiffness", "spring", "level by position")  # terms and forms that grow with the position, without end
-_TURNS = ("gravity_sin", "gravity_cos", "weight")  # of an angle: all is seen on a turn
+_TURNS = (*WEIGHT, "weight")  # of an angle: all is seen on a turn
 _UNITS = {"velocity": "m/s", "position": "m", "load": "N", "pressure": "Pa"}
 
 

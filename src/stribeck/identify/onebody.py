@@ -19,6 +19,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint, Estimation
+from stribeck.identify.actuator.lacks import RunMotion, missing_forms
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.regression import regressed
 from stribeck.identify.beyond import seen
@@ -30,7 +31,7 @@ from stribeck.identify.force import Values, farthest, law_table, parts, runs, wi
 from stribeck.identify.log import ENOUGH_ROWS, Log, Trace, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.models.record import shortened
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, WEIGHT
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit, MachineFit
 from stribeck.identify.result_parts import FrictionRows
@@ -41,8 +42,7 @@ from stribeck.scenario import Scenario
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
-_WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
-BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
+BESIDE = ("offset", "stiffness", *WEIGHT, "area", "delay")  # terms available in a fit of the motion
 _LAW = "contacts.contact.law"
 
 
@@ -88,7 +88,7 @@ class OneBody:
         if self.output == "force" or name == "delay":
             return f"outputs.{OUTPUTS[self.output]}.{name}"
         places = {"mass": f"bodies.body.{self.mass}", "stiffness": "links.stiffness.stiffness"}
-        places |= {n: f"loads.{n}.amplitude" for n in _WEIGHT}
+        places |= {n: f"loads.{n}.amplitude" for n in WEIGHT}
         return places.get(name, f"loads.{name}.gain")
 
 
@@ -134,7 +134,9 @@ class Simulated:
         """
         if "delay" in self.model.given:
             return False
-        choice = regressed(self.best.problem.without_whitening(), self.best.u, at_bound=False)
+        problem, u = self.best.problem.without_whitening(), self.best.u
+        motion = RunMotion.of(problem, u)
+        choice = regressed(problem, u, motion, missing_forms(problem, u, motion, {}), at_bound=False)
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), alone=False)
         return self.model.path("delay") in choice.library.models[k][1]
 
@@ -280,8 +282,8 @@ def _tables(model: OneBody) -> dict[str, object]:
         for n in (*model.wanted, *model.given):
             if n in ("offset", "area"):
                 loads[n] = {"on": "body", "kind": "signal", "gain": values[n], "signal": _HELD}
-            elif n in _WEIGHT:
-                loads[n] = {"on": "body", "kind": "pendulum", "amplitude": values[n], "phase": _WEIGHT[n]}
+            elif n in WEIGHT:
+                loads[n] = {"on": "body", "kind": "pendulum", "amplitude": values[n], "phase": WEIGHT[n]}
             elif n == "stiffness":
                 links[n] = {"from": "body", "to": "ground", "stiffness": values[n], "damping": 0.0}
     return {

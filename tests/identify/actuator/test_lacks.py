@@ -134,7 +134,7 @@ def slopes(problem):
     """Of all forms, by name and, of forms with several columns, which."""
     u, result = problem.start(), {}
     for x in missing_forms(problem, u, RunMotion.of(problem, u), {}):
-        result[x.name, sum(x.name == n for n, _ in result)] = x.slopes
+        result[x.name, sum(x.name == n for n, _ in result)] = problem.whitened(x.slopes)
     return result
 
 

@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator import advise
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.lacks import forms_in_words
+from stribeck.identify.actuator.lacks import RunMotion, forms_in_words, missing_forms
 from stribeck.identify.actuator.regression import MachineLibrary, regressed
 from stribeck.identify.actuator.solve import covariance
 from stribeck.identify.core.choice import Selection
@@ -56,7 +56,9 @@ def judged(
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     if not asked:
         return JudgedParameters({})
-    choice = regressed(problem, u, words, best.under_guide)
+    motion = RunMotion.of(problem, u)
+    forms = missing_forms(problem, u, motion, words or {})
+    choice = regressed(problem, u, motion, forms, best.under_guide)
     lib = choice.library
     estimates = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
     units = {c.name: unit(scenario, c) for c in lib.sought}
@@ -76,7 +78,7 @@ def judged(
         estimates[name] = replace(estimates[name], experiment=texts.get(i, estimates[name].experiment))
     levels = {n: estimates.pop(n) for n in lib.friction.speeds}
     # a missing effect repeats itself from sample to sample: prediction errors hardly contain it
-    plain = regressed(problem.without_whitening(), u, words) if problem.colored else choice
+    plain = regressed(problem.without_whitening(), u, motion, forms) if problem.colored else choice
     notes = [*_explained(plain), *dependences(estimates)]
     return JudgedParameters(estimates, levels, lib.friction.speeds, _groups(names, relation), (names, relation), notes)
 

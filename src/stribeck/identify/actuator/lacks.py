@@ -1,4 +1,4 @@
-"""Effects that the model may lack: one table of forms, each as derivatives of all residuals.
+"""Effects that the model may lack: one table of forms, each as derivatives of all plain residuals.
 
 A friction term of size 0 does not change the machine's own derivatives. To first order, it acts as an external force along
 the simulated motion. So all terms, of any law, are simulated in parallel as loads on the same machine.
@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
+from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, paths
 from stribeck.identify.actuator.drawn import change_by
 from stribeck.identify.actuator.inputs import STILL, RecordedInput, number_at
 from stribeck.identify.actuator.problem import MachineProblem
@@ -46,7 +46,7 @@ class MissingForm:
 
     Attributes:
         name: forms of one name are used together, such as sine and cosine; ``label``: what it is called in the result.
-        slopes: of all residuals, by one unit.
+        slopes: of all plain residuals, by one unit.
         largest: the largest coefficient that may go unnoticed in a record.
         tell: a function that describes a coefficient in words.
         contact, at: for a friction term: its contact, and its contribution to the steady level there.
@@ -90,7 +90,8 @@ class RunMotion:
 
 
 def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion, words: Mapping[str, str]) -> list[MissingForm]:
-    """All possibly missing forms that move the residuals; ``words``: for paths and contacts in their labels."""
+    """All possibly missing forms that move the plain residuals; ``words``: for paths and contacts in their labels."""
+    problem = problem.without_whitening()
     r = problem.residuals(u[None])[0]
     every = [
         *_friction(problem, u, motion, words),
@@ -177,7 +178,7 @@ def _of_force(problem: MachineProblem, motion: RunMotion, contact: str, forces: 
             for i, name in enumerate(fitted):
                 known[rows, i] = target.beside.get(name, 1.0 if name == "offset" else 0.0)
     left = direct - known @ np.linalg.lstsq(known, direct, rcond=None)[0]
-    return problem.whitened(direct) if left @ left > _FAINT * (direct @ direct) else None
+    return direct if left @ left > _FAINT * (direct @ direct) else None
 
 
 def _times(at: AtSpeed, size: float) -> AtSpeed:
@@ -322,7 +323,7 @@ def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, st
         for log, file in names.items():
             if ((name, what), log) not in sought:
                 path = f"outputs.{name}.{what}" if log is None else f"log.{log}.outputs.{name}.{what}"
-                label, neutral = words.get(path, path), 1.0 if what == "gain" else 0.0
+                label, neutral = words.get(path, path), NEUTRAL[what]
                 tell = _of_sensor(label, neutral, file, unit)
                 yield MissingForm(path, np.where(rows_of(problem, log), x, 0.0), largest, tell, label)
 
@@ -333,7 +334,7 @@ def _of_errors(problem: MachineProblem, u: Array, r: Array, column: str, errors:
     for k, target, rows in problem.pieces:
         if target.column == column and k in errors:
             direct[rows] = errors[k] / problem.noise[column]
-    direct, body = problem.whitened(direct), column.rpartition(".")[0]
+    body = column.rpartition(".")[0]
     pull = f"loads.{problem.guide}pull_{body}.signal"
     if not problem.guide or all(pull not in run.inputs for run in problem.runs):
         return direct

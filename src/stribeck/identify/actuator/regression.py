@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.drawn import input_errors
 from stribeck.identify.actuator.guided import UnderGuide, steps_apart
-from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
+from stribeck.identify.actuator.lacks import MissingForm, RunMotion
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core.choice import Selection, independent
@@ -163,24 +163,23 @@ class MachineLibrary(ModelLibrary):
 
 
 def regressed(
-    problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None, under_guide: UnderGuide | None = None,
+    problem: MachineProblem, u: Array, motion: RunMotion, forms: Sequence[MissingForm], under_guide: UnderGuide | None = None,
     at_bound: bool = True,
 ) -> Selection[MachineLibrary]:  # fmt: skip
     """The law alone and its models with forms, linearized at a converged point.
 
-    ``words`` as of :class:`Logs`; ``under_guide``: of a second estimate, the coordinates and their deviations. Without it,
-    known errors are left out: the models can be compared, and have no intervals. ``at_bound``: whether parameters at a
-    bound are coordinates, which pass it; else they stay there.
+    ``motion``, ``forms``: those at this point. ``under_guide``: of a second estimate, the coordinates and their deviations.
+    Without it, known errors are left out: the models can be compared, and have no intervals. ``at_bound``: whether parameters
+    at a bound are coordinates, which pass it; else they stay there.
     """
     inside = (problem.low < u) & (u < problem.high) | at_bound
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance and inside[i]]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     sought, scale = _linear(problem, u, asked)
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
-    motion = RunMotion.of(problem, u)
-    forms = missing_forms(problem, u, motion, words or {})
     room = (problem.high - problem.low)[starts] * WIDE
-    clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked] * scale, *(x.slopes for x in forms)]))
+    of_forms = [problem.whitened(form.slopes) for form in forms]
+    clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked] * scale, *of_forms]))
     known = list[Array]()
     if under_guide is not None:
         known = [*input_errors(problem, u, J), (J @ steps_apart(problem, u, under_guide))[None]]

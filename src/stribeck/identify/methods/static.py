@@ -30,7 +30,7 @@ from stribeck.identify.models.forms import dependences, effect, law_at, sizes_in
 from stribeck.identify.models.predictor import Predictor, predictor
 from stribeck.identify.models.record import Rows, record_of, rows_of, shortened
 from stribeck.identify.models.steady import RANK, SteadyLibrary, chosen
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, WEIGHT
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit
 from stribeck.identify.result_parts import Candidate, FrictionRows
@@ -39,7 +39,6 @@ from stribeck.identify.work import Progress
 PLAIN = "coulomb_viscous"
 MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term of a measured column in the model
 FOUND = 0.05  # of a measured column's variance: the least that motion leaves, and of this the most that is noise
-WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
 _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: steepness for an exact sign
@@ -53,10 +52,9 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
         progress: called with the share done, 0 to 1.
 
     Raises:
-        InputError: constants or terms are unknown or missing, or the log has too little motion or a force of wrong sign.
+        InputError: constants or terms are unknown or missing.
     """
     terms.check(tuple(options.term), log)
-    check_motion(log)
     tell = progress or (lambda _: None)
     whole, log = log, shortened(log, ENOUGH_ROWS)
     with threadpool_limits(1):  # the matrices are too small for more threads
