@@ -137,6 +137,7 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
         raise InputError(f"{arg('law')}: {twice!r}: given twice; must differ from the others")
     compared = names or LAWS
     options.check(compared)
+    check_motion(log)
     static = [n for n in compared if options.method_for(laws.find(n)) == "static"]
     simulated = [n for n in compared if n not in static]
     parts = 2 if static and (simulated or not names) else 1
@@ -145,7 +146,6 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
         simulated, options = [LAW], replace(options, starts=STARTS, term=beside_friction(best, options))
     if best is not None and not simulated:
         return best
-    check_motion(log)
     return better(log, best, simulated, options, part(progress, parts - 1, parts))
 
 

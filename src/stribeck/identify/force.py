@@ -15,7 +15,7 @@ from stribeck.errors import StribeckError
 from stribeck.identify.log import BEGIN, FEWEST_SAMPLES, Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.terms import TERMS
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
@@ -119,6 +119,4 @@ def farthest(law: Law) -> float:
 
 def law_table(name: str, values: Values) -> dict[str, object]:
     """The table of a law with its constants, of all values."""
-    constants = {n: x for n, x in values.items() if n in laws.find(name).constants()}
-    parameters = {n: constants.pop(n) for n in list(constants) if n in PARAMETERS}
-    return {"name": name, **constants, **({"parameters": parameters} if parameters else {})}
+    return {**with_constants(laws.find(name), values).to_dict(), "name": name}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
@@ -96,9 +95,9 @@ class Log:
         """The log with the rows that ``which`` (a slice, mask or index array) picks."""
         return self.with_columns(**{name: column[which] for name, column in self.columns().items()})
 
-    def runs(self) -> Iterator[slice]:
+    def runs(self) -> list[slice]:
         """The rows of each run, in order."""
-        yield from parted(np.diff(self.run) != 0) if len(self) else ()
+        return parted(np.diff(self.run) != 0) if len(self) else []
 
     @property
     def file_of_rows(self) -> NDArray[np.intp]:

@@ -18,6 +18,7 @@ from stribeck.identify import figures, said, saved, written
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.reading import RecordReading
+from stribeck.identify.force import with_constants
 from stribeck.identify.log import Log, Trace, size_ratio
 from stribeck.identify.models.predictor import EXPECTED, Predictor
 from stribeck.identify.models.terms import TERMS
@@ -276,8 +277,7 @@ class LogFit(Fit):
                 f"{f'; measure {e.experiment}' if e.experiment else ''}"
                 for n, e in missing.items()
             ])  # fmt: skip
-        kind = laws.find(self.law_name)
-        return kind({n: x for n, x in self.values.items() if n in kind.constants()})
+        return with_constants(laws.find(self.law_name), self.values)
 
     def predict(self, data: object, **columns: str) -> Predicted:
         """The force that the fitted model predicts for another record, with its error.

@@ -184,7 +184,7 @@ def _candidates(fit: LogFit) -> list[Chapter]:
 def _data(fit: LogFit) -> list[Chapter]:
     if (log := fit.log) is None:
         return []
-    count = len(list(log.runs()))
+    count = len(log.runs())
     rows = f"{len(log)} rows in {count} {'run' if count == 1 else 'runs'}, one every {log.step:.6g} s."
     text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Notes on the data:"] if log.quality else []), *log.quality]
     table = Table(["column", "source"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)

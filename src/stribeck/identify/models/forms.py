@@ -102,11 +102,6 @@ class Motion:
         y, c = self.log.position, self.at.carried
         return np.asarray(c[""] + c.get("sin", 0.0) * np.sin(y) + c.get("cos", 0.0) * np.cos(y))
 
-    @cached_property
-    def runs(self) -> list[slice]:
-        """The runs of the log."""
-        return list(self.log.runs())
-
     def wave(self, number: float) -> Array:
         """A straight line over the record, from -1 to 1, then cosines."""
         time = self.log.time
@@ -190,7 +185,7 @@ def _growth(at: Anchor, v: Array, power: float) -> Array:
 def _rate(m: Motion, x: Array) -> Array:
     """The difference of a force from row to row."""
     out = np.empty(len(x))
-    for run in m.runs:
+    for run in m.log.runs():
         out[run] = np.gradient(x[run]) if run.stop - run.start > 1 else 0.0
     return out
 
@@ -202,7 +197,7 @@ def _play(m: Motion, width: float) -> Array:
 
 def _lagging(m: Motion, samples: float) -> Array:
     """What a lag adds to the direction of the friction."""
-    return behind(m.sign, m.runs, lag(samples * m.at.step, m.log.step))
+    return behind(m.sign, m.log.runs(), lag(samples * m.at.step, m.log.step))
 
 
 def _by_column(m: Motion, x: Array | None) -> Array:
@@ -250,12 +245,12 @@ EFFECTS: dict[str, Effect] = {  # by name; {}: its number
     "friction lags": Effect("friction that lags behind the speed", _one(lambda m, _: _rate(m, m.friction))),
     "force filter {}": Effect(
         "a force measured behind a filter of {:g} ms",
-        _one(lambda m, _: behind(m.inertial + m.friction, m.runs, filtered(m.at.late, m.log.step))),
+        _one(lambda m, _: behind(m.inertial + m.friction, m.log.runs(), filtered(m.at.late, m.log.step))),
         lambda m: (f"{1e3 * m.at.late:.2f}",) if m.at.late else (),
     ),
     "coupling {}": Effect(
         "an elastic coupling that swings at {:g} Hz",
-        _one(lambda m, _: behind(m.log.acceleration, m.runs, coupling(m.at.swing[0], m.at.swing[1], m.log.step))),
+        _one(lambda m, _: behind(m.log.acceleration, m.log.runs(), coupling(m.at.swing[0], m.at.swing[1], m.log.step))),
         lambda m: (f"{m.at.swing[0]:.1f}",) if m.at.swing else (), beside=True,
     ),
     "play {}": Effect(

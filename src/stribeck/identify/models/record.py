@@ -116,7 +116,7 @@ def shortened(log: Log, enough: int) -> Log:
     """
     if len(log) <= enough:
         return log
-    parts, owner, rest, runs = [], [], at_rest(log), list(log.runs())
+    parts, owner, rest, runs = [], [], at_rest(log), log.runs()
     shares = [max(int(enough * (r.stop - r.start) / len(log)), 1) for r in runs]
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
@@ -217,7 +217,7 @@ def record_of(rows: Rows, terms: Sequence[str], given: Mapping[str, float], all_
         all_rows: rows about reversals and at ends too, as in the published procedure.
     """
     log, q = rows.log, rows.q
-    runs = list(log.runs())
+    runs = log.runs()
 
     def reduce(x: Array) -> Array:
         return np.concatenate([filters.decimate(x[run], q) for run in runs])
@@ -255,7 +255,6 @@ def _ringing(log: Log, q: int) -> NDArray[np.bool_]:
     for run in log.runs():
         s, here = np.sign(log.velocity[run]), out[run]
         here[: 2 * reach] = here[max(len(s) - 2 * reach, 0) :] = True
-        turns = np.flatnonzero((s[1:] * s[:-1] < 0) | ((s[1:] == 0) != (s[:-1] == 0)))
-        for i in turns.tolist() if q > 1 else ():
+        for i in np.flatnonzero(np.diff(s)).tolist() if q > 1 else ():
             here[max(i + 1 - reach, 0) : i + 1 + reach] = True
     return out
