@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from os.path import isfile
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +25,9 @@ def opened_log(path: Path) -> Source:
         raise InputError(
             f"{arg('data')}: '{path}': is a part of a rosbag: give the folder that holds its metadata.yaml"
         )
-    if kind == ".mcap" and isfile(path):  # noqa: PTH113 (Path raises for long names)
+    if kind == ".mcap" and path.is_file():
         return bags.opened_mcap(path)
-    if (kind == ".bag" and isfile(path)) or isfile(path / "metadata.yaml"):  # noqa: PTH113
+    if (kind == ".bag" and path.is_file()) or (path / "metadata.yaml").is_file():
         return bags.opened_rosbag(path)
     return opened(path)
 

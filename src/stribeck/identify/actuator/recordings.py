@@ -337,13 +337,25 @@ def sought_of(unknown: Mapping[str, object], argument: bool = False) -> tuple[li
 # -- the columns of a recording ------------------------------------------------------------------------------------------
 
 
+def _source(entry: RecordingTable, where: str, folder: Path) -> Source:
+    """The file, open.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        return opened_log(folder / entry.file)
+    except OSError as error:  # an invalid file name
+        raise InputError(f"{where}.file: {show(entry.file)}: cannot be read: {error.strerror}") from None
+
+
 def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     """The columns of one recording, in order of time.
 
     Raises:
-        InputError: the file cannot be read; a column is missing, contains no possible numbers, or is not as long as its times.
+        InputError: a column is missing, contains no possible numbers, or is not as long as its times.
     """
-    source, wanted = opened_log(folder / entry.file), entry.columns
+    source, wanted = _source(entry, where, folder), entry.columns
     time = entry.time
     if time is None:  # a topic of a bag has its own times
         time = TimeTable(column=time_of(source, next(iter(entry.outputs.values())).column) or "t")
