@@ -74,32 +74,24 @@ def later(log: Log, x: Array, by: float) -> Array:
 
 
 def _along(name: str, values: Values, log: Log, bent: Sequence[float | None]) -> Array:
-    """The law simulated along the measured velocity."""
-    friction = np.zeros(len(log))
+    """The law simulated along the measured velocity of each run."""
+    friction, law = np.zeros(len(log)), with_constants(laws.find(name), values)
     for i, rows in enumerate(runs(log)):
-        z = bent[i] if i < len(bent) else None
-        solution = simulate(scenario_along(name, values, log.rows(rows), z))
+        v, t = log.velocity[rows], log.step * np.arange(rows.stop - rows.start)
+        start = {"y": float(log.position[rows.start])}
+        if law.has_z:
+            z = bent[i] if i < len(bent) else None
+            start["z"] = float(law.steady_deflection(float(v[0]))) if z is None else z
+        table: dict[str, object] = {
+            "schema": 1, "law": law_table(name, values), "plant": {"initial": start},
+            "drive": {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": v.tolist()}},
+            "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step), "energy": False},
+        }  # fmt: skip
+        solution = simulate(Scenario(table, folder=Path(), trust=True))
         if solution.status != "done":
             raise StribeckError(f"law '{name}': its simulation along this record fails: {solution.reason}")
         friction[rows] = solution["F"]
     return friction
-
-
-def scenario_along(name: str, values: Values, log: Log, z: float | None = None) -> Scenario:
-    """The law under the measured velocity of one run."""
-    law, start = laws.find(name), {"y": float(log.position[0])}
-    if law.has_z and z is None:
-        z = float(with_constants(law, values).steady_deflection(float(log.velocity[0])))
-    start |= {"z": z} if law.has_z and z is not None else {}
-    t = log.step * np.arange(len(log))
-    return Scenario(
-        {
-            "schema": 1, "law": law_table(name, values), "plant": {"initial": start},
-            "drive": {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": log.velocity.tolist()}},
-            "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step), "energy": False},
-        },
-        folder=Path(), trust=True,
-    )  # fmt: skip
 
 
 def runs(log: Log) -> list[slice]:

@@ -135,10 +135,10 @@ class Logs:
     words: Mapping[str, str] = field(default_factory=dict)
 
 
-def _too_large(numbers: Mapping[str, float]) -> list[Problem]:
-    """The numbers, by key, whose squares are none."""
-    allowed = f"must lie between {-LARGEST:g} and {LARGEST:g}"
-    return [(key, f"{show(x)}: {allowed}") for key, x in numbers.items() if abs(x) > LARGEST]
+def _extreme(numbers: Mapping[str, float], least: float = -LARGEST) -> list[Problem]:
+    """The numbers, by key, whose squares are none, or the inverse of a deviation's."""
+    allowed = f"must lie between {least:g} and {LARGEST:g}"
+    return [(key, f"{show(x)}: {allowed}") for key, x in numbers.items() if not least <= x <= LARGEST]
 
 
 # -- the tables of the file ----------------------------------------------------------------------------------------------
@@ -162,9 +162,7 @@ class ColumnTable(FileTable):
             problems.append(("unit", f"{show(self.unit)}: unknown unit{nearest(self.unit, self.units)}"))
         if self.gain == 0:
             problems.append(("gain", f"{show(self.gain)}: must be a number other than 0"))
-        if self.noise is not None and not 1 / LARGEST <= self.noise <= LARGEST:
-            problems.append(("noise", f"{show(self.noise)}: must lie between {1 / LARGEST:g} and {LARGEST:g}"))
-        return problems
+        return problems + ([] if self.noise is None else _extreme({"noise": self.noise}, 1 / LARGEST))
 
     @property
     def factor(self) -> float:
@@ -210,7 +208,7 @@ class RecordingTable(FileTable):
     def wrong(self) -> list[Problem]:
         """No outputs, or a known number whose square is none."""
         problems = [] if self.outputs else [("outputs", "missing: at least one measured column must be given")]
-        return problems + _too_large({f"known.{path}": x for path, x in self.known.items()})
+        return problems + _extreme({f"known.{path}": x for path, x in self.known.items()})
 
     @property
     def columns(self) -> dict[str, ColumnTable]:
@@ -227,9 +225,7 @@ class PriorTable(FileTable):
 
     def wrong(self) -> list[Problem]:
         """A number whose square, or its inverse, is none."""
-        wide = f"{show(self.deviation)}: must lie between {1 / LARGEST:g} and {LARGEST:g}"
-        narrow = [] if 1 / LARGEST <= self.deviation <= LARGEST else [("deviation", wide)]
-        return _too_large({"mean": self.mean}) + narrow
+        return _extreme({"mean": self.mean}) + _extreme({"deviation": self.deviation}, 1 / LARGEST)
 
 
 class SoughtTable(FileTable):
@@ -245,7 +241,7 @@ class SoughtTable(FileTable):
         if self.prior is None and (missing := [n for n in ("low", "high") if getattr(self, n) is None]):
             return [(n, "missing: must be given, unless there is a prior") for n in missing]
         low, high = self.bounds
-        if problems := _too_large({"low": low, "high": high}):
+        if problems := _extreme({"low": low, "high": high}):
             return problems
         if not low < high:
             return [("high", f"{show(high)}: must be > low ({show(low)})")]

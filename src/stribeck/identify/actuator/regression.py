@@ -275,7 +275,7 @@ def _levels(
 
     def levels(point: Array) -> Array:
         numbers = problem.numbers(problem.repaired(point[None])[0])
-        parts = [_steady(problem, contact, numbers, v[rows]) for contact, rows in spans.items()]
+        parts = [_law(problem, contact, numbers).steady_force(v[rows]) for contact, rows in spans.items()]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     base, slopes = levels(u), np.zeros((len(v), len(asked)))
@@ -292,11 +292,6 @@ def _levels(
                 level = np.array([fitted[path]])
                 static[place] = c.name, float(form.at(level, np.zeros(1))[0] / unit[place])
     return Levels(speeds, slow, strokes, viscous, base, slopes, of_forms, static)
-
-
-def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
-    """The friction of a contact at constant speeds, without loads, with some numbers of the machine changed."""
-    return np.asarray(_law(problem, contact, numbers).steady_force(v), float)
 
 
 def _law(problem: MachineProblem, contact: str, numbers: Mapping[str, float]) -> Law:
