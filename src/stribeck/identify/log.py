@@ -112,12 +112,12 @@ class Log:
 
 
 def parted(breaks: NDArray[np.bool_]) -> list[slice]:
-    """The rows between breaks, of which each is between a row and the next one."""
+    """The rows between breaks; ``breaks[i]``: whether there is one between rows i and i + 1."""
     return [slice(a, b) for a, b in pairwise([0, *(np.flatnonzero(breaks) + 1).tolist(), len(breaks) + 1])]
 
 
 def stretches(there: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """First rows, and rows behind the last ones, of the stretches of rows that are there."""
+    """The first row of each stretch of true values, and the row after its last one; (stretches, 2)."""
     return np.flatnonzero(np.diff(there, prepend=False, append=False)).reshape(-1, 2)
 
 

@@ -71,7 +71,8 @@ class Work:
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T]:
         """``what`` of each on all cores.
 
-        Raises: Stopped: the work is to end.
+        Raises:
+            Stopped: after Ctrl-C or :meth:`stop`.
         """
 
         def compute(item: S) -> T:

@@ -80,7 +80,11 @@ def opened_with(data: Any, wanted: Mapping[str, str]) -> Source:
 
 
 def require_columns(source: Source, wanted: Mapping[str, str]) -> None:
-    """Raises: InputError: a column is missing; ``wanted`` has its name by role."""
+    """Check that a source has the columns ``wanted``, names by role.
+
+    Raises:
+        InputError: a column is missing; one line for each.
+    """
     if missing := [no_column(role, name, source) for role, name in wanted.items() if name not in source.names]:
         raise InputError(missing)
 

@@ -136,7 +136,7 @@ class Logs:
 
 
 def _extreme(numbers: Mapping[str, float], least: float = -LARGEST) -> list[Problem]:
-    """The numbers, by key, whose squares are none, or the inverse of a deviation's."""
+    """A problem for each number, by key, outside the range in which squares and their inverses are finite."""
     allowed = f"must lie between {least:g} and {LARGEST:g}"
     return [(key, f"{show(x)}: {allowed}") for key, x in numbers.items() if not least <= x <= LARGEST]
 

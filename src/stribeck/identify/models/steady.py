@@ -109,7 +109,7 @@ class SteadyLibrary(ModelLibrary):
                 estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
         viscous, slowest = estimates.get("sigma_2", known(self.record.given.get("sigma_2", 0.0))), self.at.speeds[0]
         if {"F_s", "v_s"} <= estimates.keys() and slowest > REACHED * estimates["v_s"].value:
-            levels = [estimates[LEVELS[0]].less(viscous, slowest), estimates["F_c"]]
+            levels = [estimates[LEVELS[0]].less(viscous, slowest), estimates["F_c"]]  # F_s is below neither
             estimates["F_s"], estimates["v_s"] = one_sided(estimates["F_s"], estimates["v_s"], levels)
         return estimates
 

@@ -57,7 +57,7 @@ TERMS: dict[str, Term] = {
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", "p", lambda log: log.pressure, True, "pressure"),
     "delay": Term("s", "time by which the measured motion lags the force"),
 }  # fmt: skip
-WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # terms, and their phases of a pendulum
+WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # terms of a weight, and the phase of its pendulum, rad
 
 
 def column(name: str, log: Log) -> Array:
